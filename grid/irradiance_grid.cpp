@@ -1,0 +1,140 @@
+#include "grid/irradiance_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "grid/error.h"
+
+namespace ivory {
+
+V3f GridFrame::to_index(const V3f& p_world) const {
+  const V3f local = direction_to_local(p_world - origin_m);
+  return {local.x / spacing_m.x, local.y / spacing_m.y, local.z / spacing_m.z};
+}
+
+V3f GridFrame::to_world(const V3f& p_index) const { return origin_m + direction_to_world(p_index * spacing_m); }
+
+// local_to_world is a rotation, so its transpose is its inverse.
+V3f GridFrame::direction_to_local(const V3f& w) const {
+  const auto& m = local_to_world;
+  return {w.x * m[0][0] + w.y * m[0][1] + w.z * m[0][2], w.x * m[1][0] + w.y * m[1][1] + w.z * m[1][2],
+          w.x * m[2][0] + w.y * m[2][1] + w.z * m[2][2]};
+}
+
+V3f GridFrame::direction_to_world(const V3f& w) const { return w * local_to_world; }
+
+std::string_view name(Guard guard) {
+  switch (guard) {
+    case Guard::off: return "off";
+    case Guard::planes: return "planes";
+    case Guard::rays: return "rays";
+  }
+  return "";
+}
+
+Guard guard_from_name(std::string_view text) {
+  for (const Guard guard : {Guard::off, Guard::planes, Guard::rays}) {
+    if (name(guard) == text) return guard;
+  }
+  throw UsageError("unknown guard '" + std::string(text) + "'; one of rays, planes, off");
+}
+
+namespace {
+
+// Vertices and weights that one axis contributes: two for linear interpolation, four for the cubic
+// B-spline. Outside the grid the nearest vertex is repeated.
+struct AxisFootprint {
+  std::array<int, 4> index;
+  std::array<float, 4> weight;
+};
+
+AxisFootprint axis_footprint(float x, int size, Interpolation interpolation) {
+  AxisFootprint axis{};
+  const float clamped = std::clamp(x, 0.0F, static_cast<float>(size - 1));
+  const int base = std::min(static_cast<int>(clamped), size - 2);
+  const float t = clamped - static_cast<float>(base);
+  if (interpolation == Interpolation::trilinear) {
+    axis.index = {base, base + 1, 0, 0};
+    axis.weight = {1 - t, t, 0, 0};
+    return axis;
+  }
+  const float s = 1 - t;
+  for (int i = 0; i < 4; ++i) axis.index[std::size_t(i)] = std::clamp(base - 1 + i, 0, size - 1);
+  axis.weight = {s * s * s / 6, (4 - 6 * t * t + 3 * t * t * t) / 6, (4 - 6 * s * s + 3 * s * s * s) / 6, t * t * t / 6};
+  return axis;
+}
+
+}  // namespace
+
+Footprint make_footprint(const GridFrame& frame, const V3f& p, Interpolation interpolation) {
+  const V3f index = frame.to_index(p);
+  const std::array<AxisFootprint, 3> axes{axis_footprint(index.x, frame.size.x, interpolation),
+                                          axis_footprint(index.y, frame.size.y, interpolation),
+                                          axis_footprint(index.z, frame.size.z, interpolation)};
+  const std::size_t width = interpolation == Interpolation::trilinear ? 2 : 4;
+  Footprint footprint;
+  for (std::size_t k = 0; k < width; ++k) {
+    for (std::size_t j = 0; j < width; ++j) {
+      const float weight_jk = axes[2].weight[k] * axes[1].weight[j];
+      for (std::size_t i = 0; i < width; ++i) {
+        const auto entry = std::size_t(footprint.count++);
+        footprint.vertex[entry] =
+            static_cast<std::uint32_t>(frame.vertex_index(axes[0].index[i], axes[1].index[j], axes[2].index[k]));
+        footprint.weight[entry] = weight_jk * axes[0].weight[i];
+      }
+    }
+  }
+  return footprint;
+}
+
+namespace {
+
+// Zeroes the weights that `keep` rejects and renormalises; false, with nothing changed, where
+// next to nothing would be left.
+template <typename Keep>
+bool keep_and_renormalise(Footprint& footprint, const Keep& keep) {
+  constexpr float least_weight = 1e-4F;  // below this a renormalised weight is rounding noise
+  float kept = 0;
+  for (int i = 0; i < footprint.count; ++i) {
+    if (keep(i)) kept += footprint.weight[std::size_t(i)];
+  }
+  if (kept < least_weight) return false;
+  const float scale = 1 / kept;
+  for (int i = 0; i < footprint.count; ++i) {
+    float& weight = footprint.weight[std::size_t(i)];
+    weight = keep(i) ? weight * scale : 0;
+  }
+  return true;
+}
+
+}  // namespace
+
+void restrict_footprint(const IrradianceGrid& grid, std::uint64_t visible, Footprint& footprint) {
+  const auto stored = [&](int i) { return grid.visible_fraction[footprint.vertex[std::size_t(i)]] > 0; };
+  const auto seen = [&](int i) { return ((visible >> unsigned(i)) & 1U) != 0 && stored(i); };
+  if (!keep_and_renormalise(footprint, seen)) keep_and_renormalise(footprint, stored);
+}
+
+Rgb irradiance(const IrradianceGrid& grid, const Footprint& footprint, const V3f& n, Reconstruction reconstruction) {
+  std::array<float, max_functions * 3> moments{};
+  const int stride = grid.stride();
+  for (int entry = 0; entry < footprint.count; ++entry) {
+    const float weight = footprint.weight[std::size_t(entry)];
+    if (weight == 0) continue;
+    const float* vertex = grid.at(footprint.vertex[std::size_t(entry)]);
+    for (int i = 0; i < stride; ++i) moments[std::size_t(i)] += weight * vertex[i];
+  }
+  return irradiance(grid.basis, reconstruction, moments.data(), grid.frame.direction_to_local(n));
+}
+
+Rgb irradiance_standard_error(const IrradianceGrid& grid, const Footprint& footprint) {
+  Rgb error(0, 0, 0);
+  for (int entry = 0; entry < footprint.count; ++entry) {
+    const Rgb& variance = grid.variance[footprint.vertex[std::size_t(entry)]];
+    error += Rgb(std::sqrt(variance.x), std::sqrt(variance.y), std::sqrt(variance.z)) *
+             footprint.weight[std::size_t(entry)];
+  }
+  return error;
+}
+
+}  // namespace ivory

@@ -1,0 +1,88 @@
+// A baked irradiance-vector grid in memory: where its vertices stand, what each stores, and E(p, n).
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "grid/basis.h"
+#include "grid/metadata.h"
+
+namespace ivory {
+
+// Vertices stand at integer index coordinates 0 .. size-1. Index (i,j,k) lies at
+// origin + (i spacing.x, j spacing.y, k spacing.z) * local_to_world (Imath row vectors).
+struct GridFrame {
+  V3i size{0, 0, 0};       // vertices per axis, each at least 2
+  V3f origin_m{0, 0, 0};   // world position of vertex (0,0,0)
+  V3f spacing_m{1, 1, 1};  // along the grid's own axes
+  M33f local_to_world;     // rotation; rows are the grid's axes in world space. Stored vectors live in the local frame
+
+  std::size_t vertex_count() const { return std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z); }
+  // x runs fastest.
+  std::size_t vertex_index(int i, int j, int k) const {
+    return (std::size_t(k) * std::size_t(size.y) + std::size_t(j)) * std::size_t(size.x) + std::size_t(i);
+  }
+  V3f to_index(const V3f& p_world) const;
+  V3f to_world(const V3f& p_index) const;
+  V3f direction_to_local(const V3f& w_world) const;
+  V3f direction_to_world(const V3f& w_local) const;
+};
+
+// What a vertex can see around it, in 16 bytes; see guard.h. All zero: sees everything.
+struct GuardRecord {
+  std::array<std::uint32_t, 4> words{};
+  bool operator==(const GuardRecord&) const = default;
+};
+
+struct IrradianceGrid {
+  GridFrame frame;
+  Basis basis = Basis::vectors;
+  std::vector<float> moments;  // [vertex][function][rgb], lux
+  // Fraction of the vertex's cell (clipped to the grid's box) that light can reach and the vertex
+  // sees; 0 marks a vertex that stores nothing (buried in a wall, or not kept).
+  std::vector<float> visible_fraction;
+  // Variance of one measurement of E at the vertex, lux^2 per channel: photon noise, estimated for
+  // light spread over the receiver's hemisphere.
+  std::vector<Rgb> variance;
+  std::vector<GuardRecord> guard;  // empty: baked with --guard off
+  Metadata metadata;
+
+  int stride() const { return function_count(basis) * 3; }
+  const float* at(std::size_t vertex) const { return moments.data() + vertex * std::size_t(stride()); }
+};
+
+enum class Interpolation { trilinear, tricubic };
+enum class Guard { off, planes, rays };
+std::string_view name(Guard guard);
+Guard guard_from_name(std::string_view name);
+
+// The vertices that a lookup reads and their interpolation weights, which add up to one.
+struct Footprint {
+  int count = 0;  // 8 trilinear, 64 tricubic
+  std::array<std::uint32_t, 64> vertex;
+  std::array<float, 64> weight;
+};
+
+struct LookupParams {
+  Interpolation interpolation = Interpolation::trilinear;
+  Reconstruction reconstruction = Reconstruction::optimal;
+  float nudge_voxels = 0.25F;  // p moves along n by this fraction of a voxel before it is looked up
+};
+
+// Footprint of p (world), clamped to the grid's box.
+Footprint make_footprint(const GridFrame& frame, const V3f& p, Interpolation interpolation);
+
+// Sets the weights of vertices that store nothing to zero, applies the visibility bits
+// (bit i of `visible` for entry i; all ones for no guard) and renormalises. Where nothing is left,
+// falls back to ignoring visibility, then to the least bad: the entry's own weights.
+void restrict_footprint(const IrradianceGrid& grid, std::uint64_t visible, Footprint& footprint);
+
+// E(n), n a unit world vector, from an (already restricted) footprint: lux per channel.
+Rgb irradiance(const IrradianceGrid& grid, const Footprint& footprint, const V3f& n, Reconstruction reconstruction);
+
+// Standard error of that E, lux per channel: neighbouring vertices share photons, so their errors
+// are taken as fully correlated.
+Rgb irradiance_standard_error(const IrradianceGrid& grid, const Footprint& footprint);
+
+}  // namespace ivory

@@ -1,0 +1,36 @@
+# Compiler settings shared by every target, carried by the interface target ivory_options.
+add_library(ivory_options INTERFACE)
+target_compile_options(ivory_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
+  # Same command, same bytes: a fused multiply-add rounds once where the source says twice, and
+  # which of them fuse is the compiler's choice.
+  -ffp-contract=off)
+if(IVORY_WERROR)
+  target_compile_options(ivory_options INTERFACE -Werror)
+endif()
+if(IVORY_SANITIZE)
+  target_compile_options(ivory_options INTERFACE -fsanitize=${IVORY_SANITIZE} -fno-omit-frame-pointer
+    -fno-sanitize-recover=all)
+  target_link_options(ivory_options INTERFACE -fsanitize=${IVORY_SANITIZE})
+endif()
+
+set(ivory_arch "${IVORY_ARCH}")
+if(ivory_arch STREQUAL "auto")
+  include(CheckCXXSourceRuns)
+  set(CMAKE_REQUIRED_FLAGS "-march=x86-64-v3")
+  check_cxx_source_runs("int main() { return __builtin_cpu_supports(\"avx2\") && __builtin_cpu_supports(\"fma\") ? 0 : 1; }"
+    IVORY_HOST_IS_X86_64_V3)
+  unset(CMAKE_REQUIRED_FLAGS)
+  set(ivory_arch "")
+  if(IVORY_HOST_IS_X86_64_V3)
+    set(ivory_arch "x86-64-v3")
+  endif()
+endif()
+if(ivory_arch)
+  target_compile_options(ivory_options INTERFACE -march=${ivory_arch})
+endif()
+
+find_program(IVORY_CCACHE ccache)
+if(IVORY_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${IVORY_CCACHE})
+endif()

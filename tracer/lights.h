@@ -1,0 +1,58 @@
+// All that shines in a scene, under one interface: punctual lights, emissive triangles,
+// the environment. Power decides who is picked, for photons and for next-event estimation.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "tracer/intersector.h"
+#include "tracer/sampler.h"
+
+namespace ivory {
+
+struct EmittedPhoton {
+  V3f origin;
+  V3f direction;  // unit, the way the photon flies
+  Rgb power;      // lumen carried, so that the mean over photons times 1 is the scene's total flux
+};
+
+struct LightSample {
+  V3f w;                      // unit, towards the light
+  float distance_m = 0;       // infinity for directional lights and the environment
+  Rgb irradiance_weight;      // L / pdf_solid_angle, or I / r^2 / pick probability: times f cos gives radiance
+  float pdf_solid_angle = 0;  // of this w among all non-delta lights, pick probability included; 0 for delta lights
+  bool delta = false;
+};
+
+class Lights {
+ public:
+  // Both must outlive this object. Throws Error where a light is not finite.
+  Lights(const Scene& scene, const Intersector& intersector);
+  ~Lights();
+  Lights(Lights&&) noexcept;
+  Lights& operator=(Lights&&) noexcept;
+
+  bool empty() const;          // nothing emits
+  Rgb total_power_lm() const;  // per channel; directional and environment light enter through the
+                               // disc over the scene's bounding sphere
+
+  // One photon. Its power is total flux / pick probability..., near constant in luminance.
+  EmittedPhoton emit(RandomStream& random) const;
+
+  // One light as seen from p, picked in proportion to power; nothing when that light cannot reach p
+  // (behind an emitter's dark side, outside a spot's cone). Visibility is the caller's.
+  std::optional<LightSample> sample(const V3f& p, RandomStream& random) const;
+
+  // pdf (1/sr) with which sample(p) would have chosen the direction of this hit on an emissive
+  // triangle, pick probability included; 0 for triangles that do not emit.
+  float pdf_solid_angle(const V3f& p, const Hit& hit) const;
+  // The same for the environment in direction w, and its radiance in nits.
+  float environment_pdf_solid_angle(const V3f& w) const;
+  Rgb environment_radiance(const V3f& w) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace ivory

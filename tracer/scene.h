@@ -1,0 +1,145 @@
+// The scene as plain data: arrays and integer handles, in glTF's own units and conventions.
+// Filled by load_gltf() (gltf_loader.h) or by hand in tests; read by everything that traces.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "grid/types.h"
+
+namespace ivory {
+
+inline constexpr int no_index = -1;
+
+// An 8-bit RGBA image as stored in the file; whether its colour is sRGB depends on who samples it.
+struct Image {
+  std::string name;
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgba;  // height x width x 4, top row first
+};
+
+enum class Wrap { repeat, mirrored_repeat, clamp_to_edge };
+
+struct Texture {
+  int image = no_index;
+  Wrap wrap_s = Wrap::repeat;
+  Wrap wrap_t = Wrap::repeat;
+  bool nearest = false;  // magnification filter; otherwise bilinear
+};
+
+// A material's use of a texture. KHR_texture_transform is folded into the 2x3 uv_transform:
+// u' = m[0] u + m[1] v + m[2], v' = m[3] u + m[4] v + m[5].
+struct TextureUse {
+  int texture = no_index;
+  int uv_set = 0;
+  std::array<float, 6> uv_transform{1, 0, 0, 0, 1, 0};
+};
+
+enum class AlphaMode { opaque, mask, blend };
+
+// glTF's metallic-roughness model with KHR_materials_specular, _ior and _emissive_strength, or,
+// where the file uses KHR_materials_pbrSpecularGlossiness, that model (specular_glossiness true).
+struct Material {
+  std::string name;
+
+  Rgb base_color{1, 1, 1};  // metallic-roughness base colour, or the diffuse factor
+  float alpha = 1;
+  TextureUse base_color_texture;  // sRGB colour, linear alpha
+
+  float metallic = 1;
+  float roughness = 1;
+  TextureUse metallic_roughness_texture;  // linear: G roughness, B metallic
+
+  float ior = 1.5F;
+  float specular = 1;                 // KHR_materials_specular; 0 makes a dielectric purely Lambertian
+  TextureUse specular_texture;        // linear, A
+  Rgb specular_color{1, 1, 1};        // KHR_materials_specular, or the specular factor of specular-glossiness
+  TextureUse specular_color_texture;  // sRGB; specular-glossiness: RGB specular, A glossiness
+
+  bool specular_glossiness = false;
+  float glossiness = 1;
+
+  Rgb emission{0, 0, 0};        // radiance in nits, emissive strength included
+  TextureUse emission_texture;  // sRGB
+
+  TextureUse normal_texture;  // linear, tangent space
+  float normal_scale = 1;
+
+  AlphaMode alpha_mode = AlphaMode::opaque;
+  float alpha_cutoff = 0.5F;
+  bool double_sided = false;
+};
+
+// One glTF primitive as triangles. All arrays but positions and triangles may be empty; those
+// that are not have one entry a vertex.
+struct Mesh {
+  std::string name;
+  std::vector<V3f> positions;
+  std::vector<V3f> normals;
+  std::vector<V4f> tangents;          // w is the sign of the bitangent
+  std::vector<std::vector<V2f>> uvs;  // [uv set][vertex]
+  std::vector<V4f> colors;            // linear RGBA, multiplies the base colour
+  std::vector<Imath::Vec3<std::uint32_t>> triangles;
+  int material = no_index;  // always valid in a loaded scene; the loader adds a default material
+};
+
+// A placed mesh. Points are Imath row vectors: p_world = p * to_world.
+struct Instance {
+  int mesh = no_index;
+  M44f to_world;
+};
+
+struct Camera {
+  std::string name;
+  M44f to_world;  // looks along its local -Z, +Y up
+  bool perspective = true;
+  float yfov_rad = 0.8F;  // perspective
+  float ymag_m = 1;       // orthographic half height
+};
+
+struct PointLight {
+  V3f position;
+  Rgb intensity_cd;
+};
+struct SpotLight {
+  V3f position;
+  V3f direction;  // unit, the way the light shines
+  Rgb intensity_cd;
+  float inner_angle_rad = 0;
+  float outer_angle_rad = pi / 4;
+};
+struct DirectionalLight {
+  V3f direction;  // unit, the way the light travels
+  Rgb illuminance_lux;
+};
+using PunctualLight = std::variant<PointLight, SpotLight, DirectionalLight>;
+
+// Lat-long radiance in nits: row 0 looks towards +Y; u = 0.5 + atan2(x, -z) / (2 pi), so the
+// centre of the image looks along -Z and +X lies to its right.
+struct EnvironmentMap {
+  int width = 0;
+  int height = 0;
+  std::vector<Rgb> radiance;  // height x width
+};
+
+struct Scene {
+  std::string name;  // the file it came from
+  std::vector<Image> images;
+  std::vector<Texture> textures;
+  std::vector<Material> materials;
+  std::vector<Mesh> meshes;
+  std::vector<Instance> instances;
+  std::vector<Camera> cameras;
+  std::vector<PunctualLight> lights;
+  std::optional<EnvironmentMap> environment;
+  std::string content_hash;  // of the file and everything it refers to, hexadecimal
+};
+
+// World bounds of all instances; empty for a scene without triangles.
+Box3f bounds(const Scene& scene);
+
+}  // namespace ivory

@@ -1,0 +1,16 @@
+// Texture look-up as glTF defines it.
+#pragma once
+
+#include "tracer/scene.h"
+
+namespace ivory {
+
+// RGBA in 0..1 at uv, filtered and wrapped by the texture's sampler; decoded from sRGB to linear
+// first where `srgb` (alpha is always linear). White (1,1,1,1) where `use` names no texture or the
+// mesh lacks the uv set.
+V4f sample(const Scene& scene, const TextureUse& use, const V2f& uv, bool srgb);
+
+// The uv of `use` at barycentric b of a triangle; {0,0} where the mesh lacks the set.
+V2f uv_at(const Mesh& mesh, int triangle, const V2f& barycentric, const TextureUse& use);
+
+}  // namespace ivory
