@@ -25,9 +25,12 @@ V3f GridFrame::direction_to_world(const V3f& w) const { return w * local_to_worl
 
 std::string_view name(Guard guard) {
   switch (guard) {
-    case Guard::off: return "off";
-    case Guard::planes: return "planes";
-    case Guard::rays: return "rays";
+    case Guard::off:
+      return "off";
+    case Guard::planes:
+      return "planes";
+    case Guard::rays:
+      return "rays";
   }
   return "";
 }
@@ -60,7 +63,8 @@ AxisFootprint axis_footprint(float x, int size, Interpolation interpolation) {
   }
   const float s = 1 - t;
   for (int i = 0; i < 4; ++i) axis.index[std::size_t(i)] = std::clamp(base - 1 + i, 0, size - 1);
-  axis.weight = {s * s * s / 6, (4 - 6 * t * t + 3 * t * t * t) / 6, (4 - 6 * s * s + 3 * s * s * s) / 6, t * t * t / 6};
+  axis.weight = {s * s * s / 6, (4 - 6 * t * t + 3 * t * t * t) / 6, (4 - 6 * s * s + 3 * s * s * s) / 6,
+                 t * t * t / 6};
   return axis;
 }
 
@@ -131,8 +135,8 @@ Rgb irradiance_standard_error(const IrradianceGrid& grid, const Footprint& footp
   Rgb error(0, 0, 0);
   for (int entry = 0; entry < footprint.count; ++entry) {
     const Rgb& variance = grid.variance[footprint.vertex[std::size_t(entry)]];
-    error += Rgb(std::sqrt(variance.x), std::sqrt(variance.y), std::sqrt(variance.z)) *
-             footprint.weight[std::size_t(entry)];
+    error +=
+        Rgb(std::sqrt(variance.x), std::sqrt(variance.y), std::sqrt(variance.z)) * footprint.weight[std::size_t(entry)];
   }
   return error;
 }

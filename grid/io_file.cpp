@@ -1,0 +1,41 @@
+#include "grid/io_file.h"
+
+#include <filesystem>
+#include <fstream>
+#include <system_error>
+#include <utility>
+
+#include <unistd.h>
+
+#include "grid/error.h"
+
+namespace ivory {
+
+namespace fs = std::filesystem;
+
+PendingFile::PendingFile(std::string path, bool force) : path_(std::move(path)) {
+  const fs::path target(path_);
+  if (fs::is_directory(target)) throw Error(path_, "is a folder", "give a file name");
+  if (!force && fs::exists(target)) throw Error(path_, "already exists", "give --force to overwrite it");
+  temporary_ = (target.parent_path() / ("." + target.stem().string() + "." + std::to_string(::getpid()) + ".part" +
+                                        target.extension().string()))
+                   .string();
+  if (!std::ofstream(temporary_))
+    throw Error(path_, "cannot be written", "check that its folder exists and is writable");
+}
+
+PendingFile::~PendingFile() {
+  if (committed_) return;
+  std::error_code ignored;  // nothing sensible is left to do in a destructor
+  fs::remove(temporary_, ignored);
+}
+
+void PendingFile::commit() {
+  std::error_code error;
+  fs::rename(temporary_, path_, error);
+  if (error)
+    throw Error(path_, "cannot be renamed into place (" + error.message() + ")", "check the folder's permissions");
+  committed_ = true;
+}
+
+}  // namespace ivory

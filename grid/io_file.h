@@ -1,0 +1,28 @@
+// Files are written whole or not at all: under a temporary name beside the target, then renamed.
+#pragma once
+
+#include <string>
+
+namespace ivory {
+
+class PendingFile {
+ public:
+  // Throws Error where `path` exists and not `force`, or where its folder cannot be written to.
+  PendingFile(std::string path, bool force);
+  // Removes the temporary file unless commit() ran.
+  ~PendingFile();
+  PendingFile(const PendingFile&) = delete;
+  PendingFile& operator=(const PendingFile&) = delete;
+
+  // The name to write to: beside the target, with the target's extension.
+  const std::string& temporary() const { return temporary_; }
+  // Renames onto the target. Throws Error where that fails.
+  void commit();
+
+ private:
+  std::string path_;
+  std::string temporary_;
+  bool committed_ = false;
+};
+
+}  // namespace ivory
