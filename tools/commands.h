@@ -1,0 +1,20 @@
+// The subcommands of ivory, one file each; main.cpp adds them.
+#pragma once
+
+namespace CLI {
+class App;
+}
+
+namespace ivory {
+
+struct CommonOptions;
+
+void add_bake_grid_command(CLI::App& bake, CommonOptions& common);  // `bake` is the `ivory bake` command
+void add_merge_command(CLI::App& app, CommonOptions& common);
+void add_render_command(CLI::App& app, CommonOptions& common);
+void add_probe_command(CLI::App& app, CommonOptions& common);
+void add_compare_command(CLI::App& app, CommonOptions& common);
+void add_info_command(CLI::App& app, CommonOptions& common);
+void add_bench_command(CLI::App& app, CommonOptions& common);
+
+}  // namespace ivory

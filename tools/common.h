@@ -1,0 +1,104 @@
+// What every subcommand shares: its common options, how it reads numbers, shows progress and
+// reports results. A subcommand is one file exporting add_<name>_command(app, common), declared in
+// commands.h: it declares its options and hands its work to set_action().
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "grid/types.h"
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace ivory {
+
+struct CommonOptions {
+  int threads = 0;     // 0: one a core
+  bool json = false;   // one result object on stdout instead of lines for people
+  bool quiet = false;  // neither progress nor lines for people
+  bool force = false;  // overwrite existing outputs
+};
+
+enum class Output { none, file };
+
+// Adds --threads, --json, --quiet and, for a command that writes a file, --force, and runs `action`
+// after the whole command line has been read and found right. To be called last, so that the shared
+// options end the help page. While `action` runs TBB is held to --threads.
+void set_action(CLI::App& command, CommonOptions& common, Output output, std::function<void()> action);
+
+// Threads that --threads stands for, at least 1.
+int thread_count(const CommonOptions& common);
+
+// Parsers of option values; `option` is named in the UsageError they throw for anything else.
+// "8m" = 8,000,000, "1.5k" = 1500, "2g"; whole numbers below 2^63 only.
+std::uint64_t parse_count(std::string_view option, std::string_view text);
+// "NX,NY,NZ", or "N" for all three; each from `least` to 65536.
+V3i parse_size3(std::string_view option, std::string_view text, int least);
+// "640x480", each from 1 to 65536.
+Imath::V2i parse_image_size(std::string_view option, std::string_view text);
+// "A:B", counts with A < B, half open.
+std::pair<std::uint64_t, std::uint64_t> parse_range(std::string_view option, std::string_view text);
+// "X,Y,Z", finite.
+V3f parse_vector3(std::string_view option, std::string_view text);
+
+// Options whose values go through the parsers above. `value` must outlive the parse; what it holds
+// now is shown as the default where it is not zero or empty.
+CLI::Option* add_count_option(CLI::App& command, const std::string& name, std::uint64_t& value,
+                              const std::string& description);
+CLI::Option* add_image_size_option(CLI::App& command, const std::string& name, Imath::V2i& value,
+                                   const std::string& description);
+
+// Fails early, before hours of work: throws Error where `path` exists and not --force, or cannot
+// be written.
+void check_output(const std::string& path, const CommonOptions& common);
+
+// Prints `object` on stdout with --json, otherwise `human` (whole lines; unless --quiet).
+void print_result(const CommonOptions& common, const nlohmann::ordered_json& object, const std::string& human);
+
+// A line for people on stderr, unless --quiet: what was chosen, what was ignored.
+void print_note(const CommonOptions& common, const std::string& line);
+
+// Work done, its rate and the time left, redrawn in place on stderr where that is a terminal;
+// silent otherwise and with --quiet. Thread-safe.
+class Progress {
+ public:
+  // "baking: 12.3 M of 64 M photons, 1.20 M/s, 0:43 left": `label` "baking", `unit` "photons".
+  Progress(const CommonOptions& common, std::string label, std::string unit);
+  ~Progress();  // wipes the line
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  void update(std::uint64_t done, std::uint64_t total);
+  // update() as a callback; this object must outlive it.
+  std::function<void(std::uint64_t, std::uint64_t)> callback();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::string label_;
+  std::string unit_;
+  bool visible_;
+  bool drawn_ = false;
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point last_drawn_;
+  std::mutex mutex_;
+};
+
+// "1.20 M", "850 k", "12": three significant digits.
+std::string format_count(double count);
+// "0:43", "1:02:03".
+std::string format_duration(double seconds);
+// "288 KiB", "8.56 MiB".
+std::string format_bytes(std::uint64_t bytes);
+
+}  // namespace ivory
