@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -50,9 +51,6 @@ class Intersector {
   // For each of the first `count` (at most 8) targets: is the open segment from `origin` free of
   // surfaces? Bit i of the answer. BLEND surfaces with alpha below one half do not block.
   std::uint32_t visible(const V3f& origin, const std::array<V3f, 8>& targets, int count) const;
-
-  // Distance to the nearest point of any surface, or max_distance_m where none is closer.
-  float distance(const V3f& p, float max_distance_m) const;
 
   // Sphere around everything: centre and radius (m), never zero for a scene with triangles.
   V3f center() const;
