@@ -1,0 +1,318 @@
+// Reading half of io_vdb.h.
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <openvdb/io/File.h>
+#include <openvdb/openvdb.h>
+#include <unistd.h>
+
+#include "grid/error.h"
+#include "grid/io_vdb.h"
+#include "grid/io_vdb_layout.h"
+#include "grid/io_vdb_seal.h"
+
+namespace ivory {
+
+namespace {
+
+using Vec3fGrid = openvdb::Vec3SGrid;
+
+constexpr const char* read_remedy = "give a .vdb file that ivory baked";
+
+// OpenVDB's exceptions become the one line.
+template <typename Action>
+auto guarded(const std::string& path, const Action& action) {
+  try {
+    return action();
+  } catch (const openvdb::Exception& error) {
+    throw Error(path, fmt::format("OpenVDB reports {}", error.what()), read_remedy);
+  } catch (const std::ios_base::failure& error) {
+    throw Error(path, error.what(), read_remedy);
+  } catch (const std::length_error&) {
+    throw Error(path, "holds impossible sizes", read_remedy);
+  }
+}
+
+// An opened file and its metadata, wherever they survived.
+struct OpenFile {
+  explicit OpenFile(const std::string& file_path) : path(file_path), file(file_path) {
+    file.open(/*delayLoad=*/false);
+    metadata = file.getMetadata();
+    if ((!metadata || !(*metadata)[file_prefix + "kind"]) && file.hasGrid(visible_fraction_name))
+      metadata = file.readGridMetadata(visible_fraction_name);
+    if (!metadata || !(*metadata)[file_prefix + "kind"])
+      throw Error(path, "was not written by ivory (no ivory_file_kind)", read_remedy);
+    const auto version = get<std::int64_t>("format_version");
+    if (version != vdb_format_version)
+      throw Error(path, fmt::format("has format version {}, this ivory reads {}", version, vdb_format_version),
+                  "bake it again, or use the ivory that wrote it");
+  }
+
+  Error missing(const std::string& what) const { return Error(path, "lacks or misstates " + what, read_remedy); }
+
+  template <typename T>
+  T get(const std::string& key) const {
+    const auto typed = metadata->getMetadata<openvdb::TypedMetadata<T>>(file_prefix + key);
+    if (!typed) throw missing(file_prefix + key);
+    return typed->value();
+  }
+  V3f get_vector(const std::string& key) const {
+    const auto v = get<openvdb::Vec3s>(key);
+    return {v.x(), v.y(), v.z()};
+  }
+  // get() where an unknown name is the file's fault, not the command line's.
+  template <typename FromName>
+  auto get_named(const std::string& key, const FromName& from_name) const {
+    try {
+      return from_name(get<std::string>(key));
+    } catch (const UsageError&) {
+      throw missing(file_prefix + key);
+    }
+  }
+
+  void require_kind(const char* kind) const {
+    const auto found = get<std::string>("kind");
+    if (found == kind) return;
+    if (found == vdb_sums_kind)
+      throw Error(path, "holds the photon sums of a partial bake", "finish it first: ivory merge PART... -o OUT.vdb");
+    if (found == vdb_grid_kind)
+      throw Error(path, "is a finished grid", "give the parts that ivory bake grid --photon-range wrote");
+    throw missing(file_prefix + "kind");
+  }
+
+  Metadata caller_metadata() const {
+    Metadata result;
+    for (auto entry = metadata->beginMeta(); entry != metadata->endMeta(); ++entry) {
+      const std::string& key = entry->first;
+      if (!key.starts_with(meta_prefix) || key.starts_with(file_prefix)) continue;
+      const openvdb::Metadata& value = *entry->second;
+      const std::string short_key = key.substr(meta_prefix.size());
+      if (const auto* integer = dynamic_cast<const openvdb::Int64Metadata*>(&value))
+        result[short_key] = std::int64_t(integer->value());
+      else if (const auto* number = dynamic_cast<const openvdb::DoubleMetadata*>(&value))
+        result[short_key] = number->value();
+      else
+        result[short_key] = value.str();
+    }
+    return result;
+  }
+
+  // The frame as baked; sizes checked against what memory can hold at `bytes_per_vertex`.
+  GridFrame stored_frame(std::size_t bytes_per_vertex) const {
+    GridFrame frame;
+    const auto size = get<openvdb::Vec3i>("size");
+    frame.size = {size.x(), size.y(), size.z()};
+    frame.origin_m = get_vector("origin_m");
+    frame.spacing_m = get_vector("spacing_m");
+    double bytes = double(bytes_per_vertex);
+    for (int axis = 0; axis < 3; ++axis) {
+      const V3f row = get_vector(std::string("axis_") + "xyz"[axis]);
+      for (int column = 0; column < 3; ++column) frame.local_to_world[axis][column] = row[column];
+      const float spacing = frame.spacing_m[axis];
+      if (frame.size[axis] < 2 || frame.size[axis] > 65536) throw missing(file_prefix + "size");
+      if (!(spacing > 0) || !std::isfinite(spacing)) throw missing(file_prefix + "spacing_m");
+      if (!std::isfinite(frame.origin_m[axis])) throw missing(file_prefix + "origin_m");
+      if (!(std::abs(row.length() - 1) < 1e-3F)) throw missing(file_prefix + "axis_" + "xyz"[axis]);
+      bytes *= frame.size[axis];
+    }
+    const double memory = double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGESIZE));
+    if (bytes > memory)
+      throw Error(path, fmt::format("needs {:.1f} GiB of memory, more than this machine has", bytes / 0x1p30),
+                  "use a larger machine or bake at a lower resolution");
+    return frame;
+  }
+
+  // Grid `grid_name` as type Grid, inside the index box and placed as the others.
+  template <typename Grid>
+  typename Grid::Ptr grid(const std::string& grid_name, const GridFrame& frame,
+                          const openvdb::math::Transform* transform) {
+    if (!file.hasGrid(grid_name)) throw missing("grid " + grid_name);
+    const auto typed = openvdb::gridPtrCast<Grid>(file.readGrid(grid_name));
+    if (!typed) throw Error(path, "grid " + grid_name + " has another type of value", read_remedy);
+    const openvdb::CoordBBox box(openvdb::Coord(0),
+                                 openvdb::Coord(frame.size.x, frame.size.y, frame.size.z).offsetBy(-1));
+    const openvdb::CoordBBox used = typed->evalActiveVoxelBoundingBox();
+    if (!used.empty() && !box.isInside(used))
+      throw Error(path, "grid " + grid_name + " is larger than the file states", read_remedy);
+    if (transform != nullptr && typed->transform() != *transform)
+      throw Error(path, "its grids have different transforms", "move all grids of the file together");
+    return typed;
+  }
+
+  std::string path;
+  openvdb::io::File file;
+  openvdb::MetaMap::Ptr metadata;
+};
+
+// Calls take(vertex, value) for every active vertex of the box.
+template <typename Grid, typename Take>
+void for_each_vertex(const Grid& grid, const GridFrame& frame, const Take& take) {
+  typename Grid::ConstAccessor accessor = grid.getConstAccessor();
+  typename Grid::ValueType value;
+  std::size_t vertex = 0;
+  for (int k = 0; k < frame.size.z; ++k) {
+    for (int j = 0; j < frame.size.y; ++j) {
+      for (int i = 0; i < frame.size.x; ++i, ++vertex) {
+        if (accessor.probeValue(openvdb::Coord(i, j, k), value)) take(vertex, value);
+      }
+    }
+  }
+}
+
+struct Visibility {
+  GridFrame frame;
+  std::vector<float> visible_fraction;
+  std::vector<GuardRecord> guard;
+  openvdb::math::Transform::Ptr transform;
+};
+
+Visibility read_visibility(OpenFile& in, std::size_t bytes_per_vertex) {
+  Visibility out;
+  const GridFrame stored = in.stored_frame(bytes_per_vertex);
+  const auto visible = in.grid<openvdb::FloatGrid>(visible_fraction_name, stored, nullptr);
+  out.transform = visible->transformPtr();
+  if (!out.transform->isLinear()) throw Error(in.path, "its transform is not linear", read_remedy);
+  const openvdb::Mat4d matrix = out.transform->baseMap()->getAffineMap()->getMat4();
+  std::array<double, 16> entries;
+  std::copy_n(matrix.asPointer(), 16, entries.begin());
+  out.frame = frame_from_transform(in.path, entries, stored);
+  out.visible_fraction.assign(stored.vertex_count(), 0.0F);
+  for_each_vertex(*visible, stored, [&](std::size_t vertex, float value) {
+    if (!(value >= 0 && value <= 1)) throw Error(in.path, "grid visible_fraction leaves 0 to 1", read_remedy);
+    out.visible_fraction[vertex] = value;
+  });
+  if (!in.file.hasGrid(guard_name(0))) return out;
+  out.guard.resize(stored.vertex_count());
+  for (int word = 0; word < 4; ++word) {
+    const auto grid = in.grid<openvdb::Int32Grid>(guard_name(word), stored, out.transform.get());
+    for_each_vertex(*grid, stored, [&](std::size_t vertex, std::int32_t value) {
+      out.guard[vertex].words[std::size_t(word)] = std::bit_cast<std::uint32_t>(value);
+    });
+  }
+  return out;
+}
+
+// Components of a Vec3f grid into floats at `offset`, `stride` apart.
+void read_vectors(OpenFile& in, const std::string& grid_name, const Visibility& visibility, float least,
+                  const std::array<int, 3>& offset, std::size_t stride, float* values) {
+  const auto grid = in.grid<Vec3fGrid>(grid_name, visibility.frame, visibility.transform.get());
+  for_each_vertex(*grid, visibility.frame, [&](std::size_t vertex, const openvdb::Vec3s& value) {
+    for (int i = 0; i < 3; ++i) {
+      if (!std::isfinite(value[i]) || value[i] < least)
+        throw Error(in.path, "grid " + grid_name + " holds a value that is not finite or negative", "bake it again");
+      values[vertex * stride + std::size_t(offset[std::size_t(i)])] = value[i];
+    }
+  });
+}
+
+}  // namespace
+
+IrradianceGrid read_grid_vdb(const std::string& path) {
+  verify_vdb(path);
+  openvdb::initialize();
+  return guarded(path, [&] {
+    OpenFile in(path);
+    in.require_kind(vdb_grid_kind);
+    IrradianceGrid grid;
+    grid.basis = in.get_named("basis", basis_from_name);
+    grid.metadata = in.caller_metadata();
+    const auto stride = std::size_t(file_stride(grid.basis));
+    Visibility visibility = read_visibility(in, (stride + 16) * sizeof(float));
+
+    std::vector<float> values(visibility.frame.vertex_count() * stride);
+    constexpr float any = -std::numeric_limits<float>::infinity();
+    for (const VectorField& field : vector_fields(grid.basis))
+      read_vectors(in, field.name, visibility, any, field.offset, stride, values.data());
+    grid.moments = moments_from_file_values(grid.basis, values);
+
+    std::vector<float> variance(visibility.frame.vertex_count() * 3);
+    read_vectors(in, variance_name, visibility, 0, {0, 1, 2}, 3, variance.data());
+    grid.variance.resize(visibility.frame.vertex_count());
+    for (std::size_t vertex = 0; vertex < grid.variance.size(); ++vertex)
+      grid.variance[vertex] = Rgb(variance[3 * vertex], variance[3 * vertex + 1], variance[3 * vertex + 2]);
+
+    grid.frame = visibility.frame;
+    grid.visible_fraction = std::move(visibility.visible_fraction);
+    grid.guard = std::move(visibility.guard);
+    return grid;
+  });
+}
+
+GridSums read_sums_vdb(const std::string& path) {
+  verify_vdb(path);
+  openvdb::initialize();
+  return guarded(path, [&] {
+    OpenFile in(path);
+    in.require_kind(vdb_sums_kind);
+    GridSums sums;
+    sums.basis = in.get_named("basis", basis_from_name);
+    sums.estimator = in.get_named("estimator", estimator_from_name);
+    sums.metadata = in.caller_metadata();
+    sums.quantum = in.get<double>("quantum");
+    sums.quantum_squared = in.get<double>("quantum_squared");
+    if (!(sums.quantum > 0) || !std::isfinite(sums.quantum)) throw in.missing(file_prefix + "quantum");
+    if (!(sums.quantum_squared > 0) || !std::isfinite(sums.quantum_squared))
+      throw in.missing(file_prefix + "quantum_squared");
+    const auto begin = in.get<std::int64_t>("photon_begin");
+    const auto end = in.get<std::int64_t>("photon_end");
+    if (begin < 0 || end < begin) throw in.missing("its photon range");
+    sums.photon_begin = std::uint64_t(begin);
+    sums.photon_end = std::uint64_t(end);
+
+    const auto layout = in.get_named(
+        "estimator", [&](std::string_view text) { return sum_layout(sums.basis, estimator_from_name(text)); });
+    const std::vector<std::string> names = sum_field_names(layout);
+    const std::size_t stride = names.size();
+    Visibility visibility = read_visibility(in, (stride + 4) * sizeof(std::int64_t));
+    sums.sums.assign(visibility.frame.vertex_count() * stride, 0);
+    for (std::size_t i = 0; i < stride; ++i) {
+      const auto grid = in.grid<openvdb::Int64Grid>(names[i], visibility.frame, visibility.transform.get());
+      for_each_vertex(*grid, visibility.frame,
+                      [&](std::size_t vertex, std::int64_t value) { sums.sums[vertex * stride + i] = value; });
+    }
+    if ((in.get<std::int64_t>("guard") != 0) != !visibility.guard.empty()) throw in.missing("grid guard_0");
+    sums.frame = visibility.frame;
+    sums.visible_fraction = std::move(visibility.visible_fraction);
+    sums.guard = std::move(visibility.guard);
+    return sums;
+  });
+}
+
+Metadata read_vdb_info(const std::string& path) {
+  verify_vdb(path);
+  openvdb::initialize();
+  return guarded(path, [&] {
+    OpenFile in(path);
+    Metadata info = in.caller_metadata();
+    for (auto entry = in.metadata->beginMeta(); entry != in.metadata->endMeta(); ++entry) {
+      if (!entry->first.starts_with(file_prefix)) continue;
+      const std::string key = entry->first.substr(file_prefix.size());
+      const openvdb::Metadata& value = *entry->second;
+      if (const auto* integer = dynamic_cast<const openvdb::Int64Metadata*>(&value))
+        info[key] = std::int64_t(integer->value());
+      else if (const auto* number = dynamic_cast<const openvdb::DoubleMetadata*>(&value))
+        info[key] = number->value();
+      else
+        info[key] = value.str();
+    }
+    std::string names;
+    for (auto grid_name = in.file.beginName(); grid_name != in.file.endName(); ++grid_name)
+      names += (names.empty() ? "" : " ") + *grid_name;
+    info["grids"] = names;
+    info["file_bytes"] = std::int64_t(std::filesystem::file_size(path));
+    if (in.file.hasGrid(visible_fraction_name)) {
+      const auto grid = in.file.readGridMetadata(visible_fraction_name);
+      if (const auto count = grid->getMetadata<openvdb::Int64Metadata>(openvdb::GridBase::META_FILE_VOXEL_COUNT))
+        info["active_vertices"] = std::int64_t(count->value());
+    }
+    return info;
+  });
+}
+
+}  // namespace ivory
