@@ -18,10 +18,16 @@ install_packages() {
     echo "missing packages; install them with: sudo apt-get install --no-install-recommends ${missing[*]}" >&2
     return 1
   fi
-  echo "== installing ${missing[*]}"
-  export DEBIAN_FRONTEND=noninteractive
-  apt-get -q update </dev/null
-  apt-get -q -y --no-install-recommends install "${missing[@]}" </dev/null
+  echo "== installing ${#missing[@]} packages and what they need, up to 1.4 GB"
+  if ! apt_get update || ! apt_get --no-install-recommends install "${missing[@]}"; then
+    cat "$root/build/packages.log" >&2
+    echo "apt-get could not install: ${missing[*]}" >&2
+    return 1
+  fi
+}
+
+apt_get() {
+  DEBIAN_FRONTEND=noninteractive apt-get -q -y "$@" >"$root/build/packages.log" 2>&1 </dev/null
 }
 
 # build PRESET [TARGET...]: configures where needed, then builds.
