@@ -84,6 +84,10 @@ Lights& Lights::operator=(Lights&&) noexcept = default;
 
 bool Lights::empty() const { return state_->table.empty(); }
 
+bool Lights::has_extended() const {
+  return !state_->triangles.empty() || (state_->environment && !state_->environment->texels.empty());
+}
+
 Rgb Lights::total_power_lm() const { return state_->total_power; }
 
 EmittedPhoton Lights::emit(RandomStream& random) const {

@@ -33,6 +33,7 @@ class Lights {
   Lights& operator=(Lights&&) noexcept;
 
   bool empty() const;          // nothing emits
+  bool has_extended() const;   // emissive triangles or an environment: light that rays can run into
   Rgb total_power_lm() const;  // per channel; directional and environment light enter through the
                                // disc over the scene's bounding sphere
 

@@ -1,0 +1,65 @@
+#include "tracer/direct_light.h"
+
+#include <cmath>
+
+// With p_l(w) the density of light sampling and p_b(w) that of the BSDF, the two estimators
+//
+//   f cos L / p_l  weighted by p_l^2 / (p_l^2 + p_b^2)     (one light sample)
+//   f cos L / p_b  weighted by p_b^2 / (p_l^2 + p_b^2)     (the ray that the path sends on anyway)
+//
+// add up to the integral of f cos L because their weights add up to 1 in every direction.
+
+namespace ivory {
+
+namespace {
+
+// As a ratio: densities of small lights overflow when squared.
+float power_heuristic(float pdf, float other) {
+  const float ratio = other / pdf;
+  return 1.0F / (1.0F + ratio * ratio);
+}
+
+float weight(float pdf_bsdf, float pdf_light, DirectStrategy strategy) {
+  // What sampling lights can never find counts in full.
+  if (pdf_light == 0 || strategy == DirectStrategy::bsdf) return 1;
+  return strategy == DirectStrategy::light ? 0.0F : power_heuristic(pdf_bsdf, pdf_light);
+}
+
+}  // namespace
+
+Rgb sample_direct(const Intersector& intersector, const Lights& lights, const Surface& surface, const Bsdf& bsdf,
+                  const V3f& wo, DirectStrategy strategy, RandomStream& random) {
+  const Rgb black(0, 0, 0);
+  const std::optional<LightSample> light = lights.sample(surface.p, random);
+  if (!light) return black;
+  Rgb radiance = eval(bsdf, wo, light->w) * light->irradiance_weight;
+  if (is_black(radiance)) return black;
+  if (!light->delta && strategy != DirectStrategy::light) {
+    if (strategy == DirectStrategy::bsdf) return black;
+    radiance *= power_heuristic(light->pdf_solid_angle, pdf(bsdf, wo, light->w));
+  }
+
+  Ray shadow;
+  shadow.origin = offset_origin(surface.p, surface.ng, light->w);
+  shadow.direction = light->w;
+  if (std::isfinite(light->distance_m)) {
+    // Aimed anew at the very point of the light, so that stopping a little short of it keeps clear
+    // of the emitter's own surface even at grazing angles.
+    const V3f to_light = surface.p + light->w * light->distance_m - shadow.origin;
+    const float distance = to_light.length();
+    if (!(distance > 0)) return radiance;
+    shadow.direction = to_light / distance;
+    shadow.t_max = distance * (1.0F - 1e-4F);
+  }
+  return radiance * intersector.transmittance(shadow);
+}
+
+float emission_weight(const Lights& lights, const V3f& p, const Hit& hit, float pdf_bsdf, DirectStrategy strategy) {
+  return weight(pdf_bsdf, lights.pdf_solid_angle(p, hit), strategy);
+}
+
+float environment_weight(const Lights& lights, const V3f& w, float pdf_bsdf, DirectStrategy strategy) {
+  return weight(pdf_bsdf, lights.environment_pdf_solid_angle(w), strategy);
+}
+
+}  // namespace ivory

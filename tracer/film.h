@@ -1,0 +1,26 @@
+// A picture of linear radiance.
+#pragma once
+
+#include <vector>
+
+#include "grid/types.h"
+
+namespace ivory {
+
+struct Film {
+  int width = 0;
+  int height = 0;
+  std::vector<Rgb> pixels;  // nits, top row first
+
+  Rgb& at(int x, int y) { return pixels[std::size_t(y) * std::size_t(width) + std::size_t(x)]; }
+  const Rgb& at(int x, int y) const { return pixels[std::size_t(y) * std::size_t(width) + std::size_t(x)]; }
+};
+
+// Exposure in stops that brings the logarithmic mean of the lit pixels' luminance to middle grey (0.18).
+float auto_exposure(const Film& film);
+
+// Linear light to display light (0 to 1, still linear): the Khronos PBR Neutral tone mapper, which
+// leaves everything below 0.8 almost alone.
+Rgb tone_map(const Rgb& linear);
+
+}  // namespace ivory

@@ -1,0 +1,83 @@
+#include "tracer/render.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <new>
+
+#include <tbb/blocked_range2d.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include "grid/error.h"
+
+namespace ivory {
+
+namespace {
+
+// Samples are laid out on the finest grid of columns x rows that has no more cells than samples, one
+// jittered in each; what is left over falls anywhere.
+struct PixelStrata {
+  int columns = 1;
+  int rows = 1;
+};
+
+PixelStrata make_strata(int samples) {
+  PixelStrata strata;
+  strata.columns = std::max(1, int(std::sqrt(double(samples))));
+  strata.rows = std::max(1, samples / strata.columns);
+  return strata;
+}
+
+Rgb render_pixel(const View& view, const RenderParams& params, const PixelStrata& strata,
+                 const RadianceFunction& radiance, int x, int y) {
+  RandomStream random(params.seed, StreamPurpose::pixel,
+                      std::uint64_t(y) * std::uint64_t(view.width) + std::uint64_t(x));
+  double sum[3] = {0, 0, 0};
+  for (int i = 0; i < params.samples; ++i) {
+    V2f jitter = random.next2();
+    if (i < strata.columns * strata.rows) {
+      jitter.x = (float(i % strata.columns) + jitter.x) / float(strata.columns);
+      jitter.y = (float(i / strata.columns) + jitter.y) / float(strata.rows);
+    }
+    Ray ray = make_ray(view, V2f(float(x), float(y)) + jitter);
+    ray.coverage_seed = random.next_u32();
+    const Rgb estimate = radiance(ray, random);
+    for (int c = 0; c < 3; ++c) sum[c] += double(estimate[c]);
+  }
+  const double scale = 1.0 / params.samples;
+  return Rgb(float(sum[0] * scale), float(sum[1] * scale), float(sum[2] * scale));
+}
+
+}  // namespace
+
+Film render_film(const View& view, const RenderParams& params, const RadianceFunction& radiance) {
+  Film film;
+  film.width = view.width;
+  film.height = view.height;
+  try {
+    film.pixels.assign(std::size_t(view.width) * std::size_t(view.height), Rgb(0, 0, 0));
+  } catch (const std::bad_alloc&) {
+    throw Error("image of " + std::to_string(view.width) + "x" + std::to_string(view.height),
+                "does not fit into memory", "choose a smaller --size");
+  }
+  const PixelStrata strata = make_strata(params.samples);
+  std::atomic<std::size_t> done{0};
+  constexpr int tile = 16;
+  const auto render_tile = [&](const tbb::blocked_range2d<int>& range) {
+    for (int y = range.rows().begin(); y < range.rows().end(); ++y) {
+      for (int x = range.cols().begin(); x < range.cols().end(); ++x)
+        film.at(x, y) = render_pixel(view, params, strata, radiance, x, y);
+    }
+    const std::size_t finished = done += range.rows().size() * range.cols().size();
+    if (params.progress) params.progress(double(finished) / double(film.pixels.size()));
+  };
+  tbb::task_arena arena(params.threads > 0 ? params.threads : tbb::task_arena::automatic);
+  arena.execute([&] {
+    tbb::parallel_for(tbb::blocked_range2d<int>(0, view.height, tile, 0, view.width, tile), render_tile,
+                      tbb::simple_partitioner());
+  });
+  return film;
+}
+
+}  // namespace ivory
