@@ -12,6 +12,9 @@
 //
 // with h the half vector, D the GGX distribution and V = G2/(4 cos cos) with Smith's
 // height-correlated G2. h.wo = h.wi makes it reciprocal; f0 = f90 = 0 leaves exactly Lambert.
+// Mixing by h.wo does not conserve energy: at grazing angles the specular lobe gains more than the
+// diffuse lobe gives up, so that a white dielectric reflects up to 1.56 of what arrives there and 1.04
+// of diffuse light. That is the specification's model, and what other glTF renderers show.
 //
 // Everything below works in the frame whose z is the shading normal: the sine of a half vector near
 // the pole then comes from its x and y, where 1 - z^2 would lose all digits for small alpha.
@@ -84,7 +87,8 @@ Evaluation evaluate(const Bsdf& bsdf, const V3f& wo, const V3f& wi, float p_spec
   const float length = sum.length();
   if (!(length > 0)) return e;
   const V3f h = sum / length;
-  const Rgb f = fresnel(bsdf, wo.dot(h));
+  // wo.h = wi.h = |wo + wi| / 2 for unit vectors: exactly the same seen from either.
+  const Rgb f = fresnel(bsdf, 0.5F * length);
   if (lobes != Lobes::specular) {
     const float cosine = wi.z / pi;
     e.value += bsdf.diffuse_albedo * (std::max(0.0F, 1.0F - max_component(f)) * cosine);

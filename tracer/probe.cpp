@@ -25,6 +25,7 @@ ProbeResult probe_point(const Intersector& intersector, const Lights& lights, co
   white.diffuse_albedo = Rgb(1, 1, 1);
   white.specular_f0 = Rgb(0, 0, 0);
   white.specular_f90 = Rgb(0, 0, 0);
+  white.emission = Rgb(0, 0, 0);
 
   PathParams path;
   path.max_bounces = params.max_bounces + 1;

@@ -1,0 +1,69 @@
+// Scenes made by hand for tests.
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "tracer/scene.h"
+
+namespace ivory {
+
+// Purely Lambertian.
+inline int add_lambert(Scene& scene, const Rgb& albedo, const Rgb& emission_nits = Rgb(0, 0, 0),
+                       bool double_sided = false) {
+  Material material;
+  material.base_color = albedo;
+  material.metallic = 0;
+  material.specular = 0;
+  material.emission = emission_nits;
+  material.double_sided = double_sided;
+  scene.materials.push_back(material);
+  return int(scene.materials.size()) - 1;
+}
+
+inline int add_mesh(Scene& scene, Mesh mesh, const M44f& to_world = M44f()) {
+  scene.meshes.push_back(std::move(mesh));
+  Instance instance;
+  instance.mesh = int(scene.meshes.size()) - 1;
+  instance.to_world = to_world;
+  scene.instances.push_back(instance);
+  return instance.mesh;
+}
+
+// Parallelogram corner + s a + t b; its front looks along a x b.
+inline Mesh make_quad(const V3f& corner, const V3f& a, const V3f& b, int material) {
+  Mesh mesh;
+  mesh.positions = {corner, corner + a, corner + a + b, corner + b};
+  mesh.triangles.emplace_back(0, 1, 2);
+  mesh.triangles.emplace_back(0, 2, 3);
+  mesh.uvs = {{{0, 0}, {1, 0}, {1, 1}, {0, 1}}};
+  mesh.material = material;
+  return mesh;
+}
+
+// Box between two corners whose fronts look inward.
+inline Mesh make_room(const V3f& low, const V3f& high, int material) {
+  Mesh mesh;
+  for (int i = 0; i < 8; ++i)
+    mesh.positions.push_back(
+        {(i & 1) != 0 ? high.x : low.x, (i & 2) != 0 ? high.y : low.y, (i & 4) != 0 ? high.z : low.z});
+  // Corners of each face, counter-clockwise as seen from inside.
+  constexpr std::array<std::array<std::uint32_t, 4>, 6> faces{
+      {{0, 2, 6, 4}, {1, 5, 7, 3}, {0, 4, 5, 1}, {2, 3, 7, 6}, {0, 1, 3, 2}, {4, 6, 7, 5}}};
+  for (const auto& f : faces) {
+    mesh.triangles.push_back({f[0], f[1], f[2]});
+    mesh.triangles.push_back({f[0], f[2], f[3]});
+  }
+  mesh.material = material;
+  return mesh;
+}
+
+inline EnvironmentMap uniform_environment(const Rgb& radiance_nits, int height = 8) {
+  EnvironmentMap map;
+  map.width = 2 * height;
+  map.height = height;
+  map.radiance.assign(std::size_t(map.width) * std::size_t(map.height), radiance_nits);
+  return map;
+}
+
+}  // namespace ivory
