@@ -1,0 +1,147 @@
+#include <algorithm>
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <tbb/parallel_for.h>
+
+#include "tracer/gltf_materials.h"
+
+namespace ivory::gltf {
+namespace {
+
+using nlohmann::json;
+
+// Deflate packs at most 1032 : 1, and a one-bit PNG has eight pixels a byte; JPEG and WebP stay
+// below that. A header that claims more than the file can hold is refused before memory is taken.
+constexpr std::uint64_t max_pixels_per_byte = 8 * 1032;
+constexpr int max_side = 32768;
+
+bool starts_with(std::span<const std::uint8_t> bytes, std::size_t at, std::string_view magic) {
+  return bytes.size() >= at + magic.size() &&
+         std::equal(magic.begin(), magic.end(), bytes.begin() + std::ptrdiff_t(at),
+                    [](char a, std::uint8_t b) { return static_cast<std::uint8_t>(a) == b; });
+}
+
+const char* file_extension(std::span<const std::uint8_t> bytes) {
+  if (starts_with(bytes, 0, "\x89PNG\r\n\x1A\n")) return "png";
+  if (starts_with(bytes, 0, "\xFF\xD8\xFF")) return "jpg";
+  if (starts_with(bytes, 0, "RIFF") && starts_with(bytes, 8, "WEBP")) return "webp";
+  return nullptr;
+}
+
+// libjpeg fills what is missing with grey and calls it a success; the end-of-image marker tells.
+bool jpeg_is_complete(std::span<const std::uint8_t> bytes) {
+  while (bytes.size() > 2 && bytes.back() == 0) bytes = bytes.first(bytes.size() - 1);
+  const std::size_t tail = std::min<std::size_t>(bytes.size(), 4096);
+  const auto end = bytes.last(tail);
+  for (std::size_t i = 0; i + 1 < end.size(); ++i)
+    if (end[i] == 0xFF && end[i + 1] == 0xD9) return true;
+  return false;
+}
+
+void expand_to_rgba(std::vector<std::uint8_t>& pixels, std::size_t count, int channels) {
+  if (channels == 4) return;
+  std::vector<std::uint8_t> rgba(count * 4);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint8_t* in = &pixels[i * std::size_t(channels)];
+    std::uint8_t* out = &rgba[i * 4];
+    out[0] = in[0];
+    out[1] = channels >= 3 ? in[1] : in[0];
+    out[2] = channels >= 3 ? in[2] : in[0];
+    out[3] = channels == 2 ? in[1] : 255;
+  }
+  pixels = std::move(rgba);
+}
+
+}  // namespace
+
+std::string decode_image(std::span<const std::uint8_t> bytes, Image& image) {
+  const char* extension = file_extension(bytes);
+  if (extension == nullptr) return "is neither PNG nor JPEG nor WebP";
+  OIIO::Filesystem::IOMemReader reader(const_cast<std::uint8_t*>(bytes.data()), bytes.size());
+  const std::string name = std::string("image.") + extension;
+  OIIO::ImageSpec config;
+  // glTF's alpha is not premultiplied.
+  config.attribute("oiio:UnassociatedAlpha", 1);
+  auto input = OIIO::ImageInput::create(name, false, &config, &reader);
+  if (!input || !input->set_ioproxy(&reader)) return fmt::format("cannot be decoded: {}", OIIO::geterror());
+  OIIO::ImageSpec spec;
+  if (!input->open(name, spec, config)) return fmt::format("cannot be decoded: {}", input->geterror());
+  if (spec.width < 1 || spec.height < 1 || spec.width > max_side || spec.height > max_side)
+    return fmt::format("is {} x {} pixels, beyond {} a side", spec.width, spec.height, max_side);
+  const std::uint64_t pixels = std::uint64_t(spec.width) * std::uint64_t(spec.height);
+  if (pixels > bytes.size() * max_pixels_per_byte)
+    return fmt::format("claims {} x {} pixels in {} bytes", spec.width, spec.height, bytes.size());
+  if (spec.nchannels < 1 || spec.nchannels > 4) return fmt::format("has {} channels", spec.nchannels);
+  if (extension == std::string_view("jpg") && !jpeg_is_complete(bytes)) return "is cut off";
+
+  image.width = spec.width;
+  image.height = spec.height;
+  image.rgba.resize(pixels * std::uint64_t(spec.nchannels));
+  if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8, image.rgba.data()))
+    return fmt::format("cannot be decoded: {}", input->geterror());
+  expand_to_rgba(image.rgba, pixels, spec.nchannels);
+  return "";
+}
+
+void load_images(Document& document, const std::vector<char>& material_used, Scene& scene) {
+  const auto images = document.json->find("images");
+  const std::size_t count = images == document.json->end() ? 0 : images->size();
+  std::vector<char> used(count, 0);
+  for (std::size_t i = 0; i < scene.materials.size(); ++i) {
+    if (material_used[i] == 0) continue;
+    for (const TextureUse* use : texture_uses(scene.materials[i])) {
+      if (use->texture == no_index) continue;
+      const int image = scene.textures[std::size_t(use->texture)].image;
+      if (image == no_index)
+        document.warn(
+            label("materials", i, scene.materials[i].name) +
+            fmt::format(" uses textures[{}], which has no image that ivory reads; white is used", use->texture));
+      else
+        used[std::size_t(image)] = 1;
+    }
+  }
+
+  // Files are read in order, for the hash; decoding takes most of the time and runs in parallel.
+  std::vector<std::vector<std::uint8_t>> files(count);
+  std::vector<std::span<const std::uint8_t>> sources(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (used[i] == 0) continue;
+    const json& image = (*images)[i];
+    const std::string what = label("images", i, image.value("name", std::string()));
+    const bool has_view = image.contains("bufferView");
+    if (has_view == image.contains("uri"))
+      document.fail(what + " must have either a uri or a bufferView", "export the file again");
+    if (has_view) {
+      sources[i] = document.views[image["bufferView"].get<std::size_t>()];
+    } else {
+      files[i] = read_uri(document, image["uri"].get_ref<const std::string&>(), what);
+      sources[i] = files[i];
+    }
+  }
+  std::vector<Image> decoded(count);
+  std::vector<std::string> causes(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    if (used[i] != 0) causes[i] = decode_image(sources[i], decoded[i]);
+  });
+
+  std::vector<int> index_in_scene(count, no_index);
+  for (std::size_t i = 0; i < count; ++i) {
+    if (used[i] == 0) continue;
+    const json& image = (*images)[i];
+    std::string name = image.value("name", std::string());
+    const std::string uri = image.value("uri", std::string());
+    if (name.empty() && !uri.starts_with("data:")) name = uri;
+    if (!causes[i].empty())
+      document.fail(label("images", i, name) + " " + causes[i], "replace the image, or remove it from its material");
+    decoded[i].name = name;
+    index_in_scene[i] = int(scene.images.size());
+    scene.images.push_back(std::move(decoded[i]));
+  }
+  for (Texture& texture : scene.textures)
+    if (texture.image != no_index) texture.image = index_in_scene[std::size_t(texture.image)];
+}
+
+}  // namespace ivory::gltf
