@@ -9,10 +9,6 @@
 namespace ivory {
 namespace {
 
-// The grid's box cuts the cells of its outer vertices in half along each axis that they end (RR-6983
-// section 3.3: boundary area A/2, corner area A/4).
-float kept_extent(int index, int size) { return index == 0 || index == size - 1 ? 0.5F : 1.0F; }
-
 // Moments of one vertex while they are folded: [function][rgb], double as the sums are wide.
 using Moments = std::array<double, std::size_t(max_functions) * 3>;
 
@@ -99,48 +95,38 @@ IrradianceGrid finish(const GridSums& sums) {
   if (photons == 0) return grid;
 
   const V3f& h = frame.spacing_m;
-  for (int k = 0; k < frame.size.z; ++k) {
-    for (int j = 0; j < frame.size.y; ++j) {
-      for (int i = 0; i < frame.size.x; ++i) {
-        const std::size_t vertex = frame.vertex_index(i, j, k);
-        const float fraction = sums.visible_fraction[vertex];
-        if (fraction <= 0) continue;
-        const V3f kept(kept_extent(i, frame.size.x), kept_extent(j, frame.size.y), kept_extent(k, frame.size.z));
-        const std::int64_t* source = sums.sums.data() + vertex * std::size_t(layout.stride());
+  for (std::size_t vertex = 0; vertex < frame.vertex_count(); ++vertex) {
+    const float fraction = sums.visible_fraction[vertex];
+    if (fraction <= 0) continue;
+    const std::int64_t* source = sums.sums.data() + vertex * std::size_t(layout.stride());
 
-        double measure = 0;  // m^3 or m^2, times photons
-        Moments moments{};
-        if (sums.estimator == Estimator::track) {
-          measure = photons * double(h.x) * h.y * h.z * kept.x * kept.y * kept.z * fraction;
-          if (layout.slots == 8) {
-            moments = convert_from_vectors(sums.basis, fold_octants(source, layout));
-          } else {
-            for (std::size_t f = 0; f < std::size_t(layout.functions) * 3; ++f)
-              moments[f] = static_cast<double>(source[f]);
-          }
-        } else {
-          measure = photons;
-          moments = fold_hemispheres(
-              source, layout,
-              V3f(h.y * h.z * kept.y * kept.z, h.x * h.z * kept.x * kept.z, h.x * h.y * kept.x * kept.y));
-        }
-
-        float* target = grid.moments.data() + vertex * std::size_t(grid.stride());
-        for (std::size_t f = 0; f < std::size_t(grid.stride()); ++f)
-          target[f] = static_cast<float>(moments[f] * sums.quantum / measure);
-
-        // Photons arrive independently, so the variance of a sum is the sum of squares. A receiver
-        // weighs each with max(0, n.w), whose square averages 1/3 over its hemisphere.
-        double area = 1;
-        if (sums.estimator != Estimator::track) area = double(h.x) * h.y;
-        for (unsigned c = 0; c < 3; ++c) {
-          double squares = 0;
-          for (int slot = 0; slot < layout.slots; ++slot)
-            squares += static_cast<double>(source[slot * layout.lanes() + 3 * layout.functions + int(c)]);
-          grid.variance[vertex][c] =
-              static_cast<float>(squares * sums.quantum_squared / (3 * measure * measure * area * area));
-        }
+    double measure = 0;  // m^3 or m^2, times photons
+    Moments moments{};
+    if (sums.estimator == Estimator::track) {
+      measure = photons * double(h.x) * h.y * h.z * fraction;
+      if (layout.slots == 8) {
+        moments = convert_from_vectors(sums.basis, fold_octants(source, layout));
+      } else {
+        for (std::size_t f = 0; f < std::size_t(layout.functions) * 3; ++f) moments[f] = static_cast<double>(source[f]);
       }
+    } else {
+      measure = photons;
+      moments = fold_hemispheres(source, layout, V3f(h.y * h.z, h.x * h.z, h.x * h.y));
+    }
+
+    float* target = grid.moments.data() + vertex * std::size_t(grid.stride());
+    for (std::size_t f = 0; f < std::size_t(grid.stride()); ++f)
+      target[f] = static_cast<float>(moments[f] * sums.quantum / measure);
+
+    // Photons arrive independently, so the variance of a sum is the sum of squares. A receiver
+    // weighs each with max(0, n.w), whose square averages 1/3 over its hemisphere.
+    const double area = sums.estimator == Estimator::track ? 1.0 : std::cbrt(double(h.x) * h.y * h.z * h.x * h.y * h.z);
+    for (unsigned c = 0; c < 3; ++c) {
+      double squares = 0;
+      for (int slot = 0; slot < layout.slots; ++slot)
+        squares += static_cast<double>(source[slot * layout.lanes() + 3 * layout.functions + int(c)]);
+      grid.variance[vertex][c] =
+          static_cast<float>(squares * sums.quantum_squared / (3 * measure * measure * area * area));
     }
   }
   return grid;

@@ -10,7 +10,8 @@
 
 namespace ivory {
 
-// Vertices stand at integer index coordinates 0 .. size-1. Index (i,j,k) lies at
+// Vertices stand at integer index coordinates 0 .. size-1, each in the middle of its cell, the box of
+// one voxel around it: the grid covers index coordinates -1/2 .. size-1/2. Index (i,j,k) lies at
 // origin + (i spacing.x, j spacing.y, k spacing.z) * local_to_world (Imath row vectors).
 struct GridFrame {
   V3i size{0, 0, 0};       // vertices per axis, each at least 2
@@ -39,8 +40,8 @@ struct IrradianceGrid {
   GridFrame frame;
   Basis basis = Basis::vectors;
   std::vector<float> moments;  // [vertex][function][rgb], lux
-  // Fraction of the vertex's cell (clipped to the grid's box) that light can reach and the vertex
-  // sees; 0 marks a vertex that stores nothing (buried in a wall, or not kept).
+  // Fraction of the vertex's cell that light can reach and the vertex sees; 0 marks a vertex that stores nothing
+  // (buried in a wall, or not kept).
   std::vector<float> visible_fraction;
   // Variance of one measurement of E at the vertex, lux^2 per channel: photon noise, estimated for
   // light spread over the receiver's hemisphere.
@@ -70,7 +71,7 @@ struct LookupParams {
   float nudge_voxels = 0.25F;  // p moves along n by this fraction of a voxel before it is looked up
 };
 
-// Footprint of p (world), clamped to the grid's box.
+// Footprint of p (world); beyond the outermost vertices the nearest ones are repeated.
 Footprint make_footprint(const GridFrame& frame, const V3f& p, Interpolation interpolation);
 
 // Sets the weights of vertices that store nothing to zero, applies the visibility bits

@@ -229,7 +229,8 @@ Intersector::Intersector(const Scene& scene) : state_(std::make_unique<State>())
   const Box3f box = bounds(scene);
   if (!box.isEmpty()) {
     s.center = box.center();
-    s.radius_m = std::max(box.size().length() / 2, 1e-6F);
+    // A little larger than the box asks: grids around flat scenes stand out of it.
+    s.radius_m = std::max(box.size().length() * 0.505F, 1e-6F);
   }
 }
 

@@ -1,0 +1,77 @@
+#include "grid/guard.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace ivory {
+namespace {
+
+constexpr float normal_steps = 1023;
+constexpr float distance_range = 2;  // voxels; the far corner of the support is sqrt(3) away
+constexpr float distance_steps = 4095;
+
+float sign_not_zero(float x) { return x < 0 ? -1.0F : 1.0F; }
+
+}  // namespace
+
+// Octahedral mapping after Cigolle et al., "A Survey of Efficient Representations for Independent Unit
+// Vectors", JCGT 2014.
+std::uint32_t pack(const GuardPlane& plane) {
+  const V3f& n = plane.normal;
+  const float scale = 1 / (std::abs(n.x) + std::abs(n.y) + std::abs(n.z));
+  float x = n.x * scale;
+  float y = n.y * scale;
+  if (n.z < 0) {
+    const float folded = (1 - std::abs(y)) * sign_not_zero(x);
+    y = (1 - std::abs(x)) * sign_not_zero(y);
+    x = folded;
+  }
+  const auto quantise = [](float v, float steps) {
+    return static_cast<std::uint32_t>(std::lrint(std::clamp(v, 0.0F, 1.0F) * steps));
+  };
+  // Distance counts from one, which keeps the word from being zero.
+  const std::uint32_t distance =
+      1 + quantise((plane.distance + distance_range) / (2 * distance_range), distance_steps - 1);
+  return quantise(x * 0.5F + 0.5F, normal_steps) | quantise(y * 0.5F + 0.5F, normal_steps) << 10U | distance << 20U;
+}
+
+std::optional<GuardPlane> unpack(std::uint32_t word) {
+  if (word == 0) return std::nullopt;
+  float x = static_cast<float>(word & 1023U) / normal_steps * 2 - 1;
+  float y = static_cast<float>((word >> 10U) & 1023U) / normal_steps * 2 - 1;
+  const float z = 1 - std::abs(x) - std::abs(y);
+  if (z < 0) {
+    const float folded = (1 - std::abs(y)) * sign_not_zero(x);
+    y = (1 - std::abs(x)) * sign_not_zero(y);
+    x = folded;
+  }
+  const float distance =
+      (static_cast<float>(word >> 20U) - 1) / (distance_steps - 1) * 2 * distance_range - distance_range;
+  return GuardPlane{V3f(x, y, z).normalized(), distance};
+}
+
+bool sees(const GuardRecord& record, const V3f& u) {
+  for (const std::uint32_t word : record.words) {
+    const std::optional<GuardPlane> plane = unpack(word);
+    if (plane && plane->normal.dot(u) > plane->distance) return false;
+  }
+  return true;
+}
+
+std::uint64_t visible_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint) {
+  if (grid.guard.empty()) return ~std::uint64_t(0);
+  const V3f index = grid.frame.to_index(p);
+  const auto row = std::uint32_t(grid.frame.size.x);
+  const auto plane = row * std::uint32_t(grid.frame.size.y);
+  std::uint64_t visible = 0;
+  for (int i = 0; i < footprint.count; ++i) {
+    const std::uint32_t vertex = footprint.vertex[std::size_t(i)];
+    const V3f at(static_cast<float>(vertex % row), static_cast<float>(vertex % plane / row),
+                 static_cast<float>(vertex / plane));
+    if (sees(grid.guard[vertex], index - at)) visible |= std::uint64_t(1) << unsigned(i);
+  }
+  return visible;
+}
+
+}  // namespace ivory

@@ -1,0 +1,185 @@
+#include "tracer/grid_baker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+#include <unistd.h>
+
+#include "grid/error.h"
+#include "tracer/guard_fit.h"
+#include "tracer/photon_deposit.h"
+#include "tracer/photon_tracer.h"
+#include "tracer/vertex_visibility.h"
+
+namespace ivory {
+namespace {
+
+constexpr int default_long_side = 32;
+constexpr std::uint64_t default_photons_a_vertex = 256;
+constexpr std::uint64_t least_default_photons = 1'000'000;
+constexpr std::uint64_t photons_a_batch = 2048;  // about 10,000 segments: they stay in the second-level cache
+
+std::uint64_t machine_memory_bytes() {
+  return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
+}
+
+void check_memory(const Scene& scene, const GridFrame& frame, const SumLayout& layout, int threads,
+                  const GridBakeParams& params) {
+  const double sums = double(frame.vertex_count()) * layout.stride();
+  const double grid = double(frame.vertex_count()) * (double(function_count(params.basis)) * 12 + 64);
+  const double needed = sums * (16 + 4.0 * threads) + grid;
+  const double limit =
+      params.max_memory_bytes != 0 ? double(params.max_memory_bytes) : 0.75 * double(machine_memory_bytes());
+  if (needed <= limit) return;
+  constexpr double gib = 1024.0 * 1024 * 1024;
+  throw Error(scene.name,
+              fmt::format("a grid of {}x{}x{} vertices needs {:.1f} GiB to bake and {:.1f} GiB may be used",
+                          frame.size.x, frame.size.y, frame.size.z, needed / gib, limit / gib),
+              "ask for a lower --resolution or fewer --threads");
+}
+
+Metadata describe(const Scene& scene, const GridBakeParams& params, std::uint64_t photons, const SumLayout& layout) {
+  Metadata m;
+  m["method"] = std::string("irradiance grid");
+  m["basis"] = std::string(name(params.basis));
+  m["estimator"] = std::string(name(params.estimator));
+  m["guard"] = std::string(name(params.guard));
+  m["photons"] = static_cast<std::int64_t>(photons);
+  m["max_bounces"] = static_cast<std::int64_t>(params.max_bounces);
+  m["light"] = std::string(params.include_direct ? "direct and indirect" : "indirect");
+  m["seed"] = static_cast<std::int64_t>(params.seed);
+  m["scene"] = scene.name;
+  m["scene_hash"] = scene.content_hash;
+  m["units"] = std::string("lux");
+  m["sum_slots"] = static_cast<std::int64_t>(layout.slots);
+  return m;
+}
+
+}  // namespace
+
+GridFrame default_frame(const Scene& scene, const GridBakeParams& params) {
+  const Box3f box = bounds(scene);
+  if (box.isEmpty() || !(box.size().length() > 0))
+    throw Error(scene.name, "has no surfaces to place a grid around", "check that the scene's nodes hold meshes");
+  V3f extent = box.size();
+  const float longest = std::max({extent.x, extent.y, extent.z});
+  constexpr float flat_share = 0.05F;
+  for (unsigned axis = 0; axis < 3; ++axis) extent[axis] = std::max(extent[axis], longest * flat_share);
+
+  GridFrame frame;
+  if (params.resolution) {
+    frame.size = *params.resolution;
+    if (frame.size.x < 2 || frame.size.y < 2 || frame.size.z < 2)
+      throw UsageError("a grid needs at least 2 vertices along each axis");
+    frame.spacing_m = extent / V3f(frame.size);
+  } else {
+    const float voxel = params.voxel_size_m.value_or(longest / default_long_side);
+    if (!(voxel > 0) || !std::isfinite(voxel)) throw UsageError("the voxel size must be a positive number of metres");
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      // A hair less than one voxel over does not call for another layer of vertices.
+      const double count = std::max(2.0, std::ceil(double(extent[axis]) / voxel - 1e-3));
+      if (count > 32768) throw UsageError("the voxel size is too small: over 32768 vertices along an axis");
+      frame.size[axis] = static_cast<int>(count);
+    }
+    frame.spacing_m = V3f(voxel, voxel, voxel);
+  }
+  if (std::max({frame.size.x, frame.size.y, frame.size.z}) > 32768 || frame.vertex_count() > (std::size_t(1) << 31U))
+    throw UsageError("the grid has too many vertices to number; ask for a lower resolution");
+  frame.origin_m = box.center() - (V3f(frame.size) - V3f(1, 1, 1)) * frame.spacing_m * 0.5F;
+  return frame;
+}
+
+GridSums bake_grid_sums(const Intersector& intersector, const Lights& lights, const GridBakeParams& params) {
+  const Scene& scene = intersector.scene();
+  if (lights.empty())
+    throw Error(scene.name, "nothing in it shines", "add a light or an emissive material, or give --env");
+  const GridFrame frame = params.frame ? *params.frame : default_frame(scene, params);
+  const SumLayout layout = sum_layout(params.basis, params.estimator);
+  const int threads = params.threads > 0 ? params.threads : tbb::this_task_arena::max_concurrency();
+  check_memory(scene, frame, layout, threads, params);
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, std::size_t(threads));
+
+  const std::uint64_t photons = params.photons != 0
+                                    ? params.photons
+                                    : std::max(least_default_photons, default_photons_a_vertex * frame.vertex_count());
+  const auto [begin, end] = params.photon_range.value_or(std::pair<std::uint64_t, std::uint64_t>{0, photons});
+  if (begin >= end || end > photons)
+    throw UsageError("the photon range must be A:B with A below B and B at most the " + std::to_string(photons) +
+                     " photons of the whole bake");
+
+  std::vector<std::uint64_t> masks = params.guard == Guard::off
+                                         ? std::vector<std::uint64_t>(frame.vertex_count(), ~std::uint64_t(0))
+                                         : vertex_cell_masks(intersector, frame);
+  GridSums result;
+  result.visible_fraction = visible_fractions(masks);
+  if (params.guard != Guard::off) result.guard = fit_guard(intersector, frame, result.visible_fraction);
+
+  DepositTarget target = make_deposit_target(frame, params.basis, params.estimator,
+                                             max_component(lights.total_power_lm()), std::move(masks));
+  const PhotonTracer tracer(
+      intersector, lights,
+      {.max_bounces = params.max_bounces, .include_direct = params.include_direct, .seed = params.seed});
+
+  struct Worker {
+    PhotonDepositor depositor;
+    std::vector<PhotonSegment> segments;
+    PhotonLedger ledger;
+  };
+  tbb::enumerable_thread_specific<Worker> workers([&] { return Worker{PhotonDepositor(target), {}, {}}; });
+  std::mutex progress_mutex;
+  std::uint64_t done = 0;
+  const std::uint64_t batches = (end - begin + photons_a_batch - 1) / photons_a_batch;
+  tbb::parallel_for(tbb::blocked_range<std::uint64_t>(0, batches, 4), [&](const auto& range) {
+    Worker& worker = workers.local();
+    for (std::uint64_t batch = range.begin(); batch < range.end(); ++batch) {
+      const std::uint64_t first = begin + batch * photons_a_batch;
+      const std::uint64_t last = std::min(first + photons_a_batch, end);
+      worker.segments.clear();
+      tracer.trace(first, last, worker.segments, worker.ledger);
+      worker.depositor.deposit(worker.segments);
+      if (params.progress) {
+        const std::lock_guard lock(progress_mutex);
+        done += last - first;
+        params.progress(done, end - begin);
+      }
+    }
+  });
+  PhotonLedger ledger;
+  for (Worker& worker : workers) {
+    worker.depositor.flush();
+    ledger += worker.ledger;
+  }
+
+  result.frame = frame;
+  result.basis = params.basis;
+  result.estimator = params.estimator;
+  result.quantum = target.quantum;
+  result.quantum_squared = target.quantum_squared;
+  result.photon_begin = begin;
+  result.photon_end = end;
+  result.counters = {{"ledger_emitted", ledger.emitted}, {"ledger_absorbed", ledger.absorbed},
+                     {"ledger_escaped", ledger.escaped}, {"ledger_terminated", ledger.terminated},
+                     {"photons_traced", ledger.photons}, {"rays_traced", ledger.rays}};
+  result.metadata = describe(scene, params, photons, layout);
+  result.metadata["ledger_unit_lm"] = tracer.ledger_unit_lm();
+
+  // From [slot][vertex][lane], which suits the depositors, to [vertex][slot][lane].
+  const auto lanes = std::size_t(layout.lanes());
+  const std::size_t vertices = frame.vertex_count();
+  result.sums.resize(target.sums.size());
+  tbb::parallel_for(std::size_t(0), vertices, [&](std::size_t v) {
+    for (std::size_t slot = 0; slot < std::size_t(layout.slots); ++slot)
+      std::copy_n(target.sums.begin() + std::ptrdiff_t((slot * vertices + v) * lanes), lanes,
+                  result.sums.begin() + std::ptrdiff_t(v * lanes * std::size_t(layout.slots) + slot * lanes));
+  });
+  return result;
+}
+
+}  // namespace ivory

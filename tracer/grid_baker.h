@@ -1,0 +1,40 @@
+// From a scene to the integer sums of an irradiance-vector grid.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <utility>
+
+#include "grid/sums.h"
+#include "tracer/intersector.h"
+#include "tracer/lights.h"
+
+namespace ivory {
+
+struct GridBakeParams {
+  std::optional<GridFrame> frame;     // places the grid by hand; none: default_frame()
+  std::optional<V3i> resolution;      // vertices per axis, each at least 2
+  std::optional<float> voxel_size_m;  // cubic voxels; neither given: 32 along the longest side
+  std::uint64_t photons = 0;          // of the whole bake; 0: 256 a vertex, at least a million
+  std::optional<std::pair<std::uint64_t, std::uint64_t>> photon_range;  // half-open; none: all
+  int max_bounces = 1000;
+  Basis basis = Basis::vectors;
+  Estimator estimator = Estimator::track;
+  Guard guard = Guard::rays;  // planes and rays store the compact guard; off stores and applies none
+  bool include_direct = false;
+  std::uint64_t seed = 1;
+  int threads = 0;                     // 0: all cores
+  std::uint64_t max_memory_bytes = 0;  // 0: three quarters of the machine's
+  std::function<void(std::uint64_t done, std::uint64_t total)>
+      progress;  // photons; called from any thread, one at a time
+};
+
+// The grid's placement: the scene's bounds, tiled exactly by resolution; or by cubic voxels, centred.
+// Sides that are flat get a twentieth of the longest side. Throws Error for a scene without extent
+// and UsageError for a resolution that is below 2 or too large to number.
+GridFrame default_frame(const Scene& scene, const GridBakeParams& params);
+
+// Throws Error where nothing shines, or where memory would not suffice.
+GridSums bake_grid_sums(const Intersector& intersector, const Lights& lights, const GridBakeParams& params);
+
+}  // namespace ivory

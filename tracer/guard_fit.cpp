@@ -1,0 +1,147 @@
+#include "tracer/guard_fit.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include "tracer/sampler.h"
+
+// What a vertex sees is star-shaped; an intersection of half-spaces n.u <= d is the part of that idea
+// that fits in a few bytes. It is exact in convex rooms, whose walls are the planes. Around convex
+// objects, which hide a cone behind them, no half-space may cut into what is seen beside the cone: for
+// a given normal the best offset is then the one that clips the most hidden points at the least
+// cost in visible ones. So: sample the support, trace each sample, take the normals of the surfaces that
+// were hit as candidates, and choose greedily.
+
+namespace ivory {
+namespace {
+
+struct Samples {
+  std::vector<V3f> visible;  // offsets in voxels
+  std::vector<V3f> hidden;
+  std::vector<GuardPlane> hits;  // the planes of the surfaces that hid them
+};
+
+Samples trace_samples(const Intersector& intersector, const GridFrame& frame, const V3f& vertex, std::size_t index,
+                      const GuardFitParams& params) {
+  Samples samples;
+  RandomStream random(0, StreamPurpose::visibility, index);
+  const V3f eye = frame.to_world(vertex);
+  const int n = params.samples_per_axis;
+  for (int k = 0; k < n; ++k) {
+    for (int j = 0; j < n; ++j) {
+      for (int i = 0; i < n; ++i) {
+        const V3f jitter(random.next(), random.next(), random.next());
+        const V3f u = (V3f(V3i(i, j, k)) + jitter) * (2.0F / static_cast<float>(n)) - V3f(1, 1, 1);
+        const V3f target = frame.to_world(vertex + u);
+        const V3f path = target - eye;
+        const float length = path.length();
+        const V3f direction = path / length;
+        const auto hit = intersector.closest({.origin = eye, .direction = direction, .t_max = length});
+        if (!hit) {
+          samples.visible.push_back(u);
+          continue;
+        }
+        samples.hidden.push_back(u);
+        // The surface's plane in index space: positions divide by the spacing, normals multiply.
+        const V3f ng = hit->ng.dot(direction) > 0 ? hit->ng : -hit->ng;
+        const V3f normal = (frame.direction_to_local(ng) * frame.spacing_m).normalized();
+        samples.hits.push_back({normal, normal.dot(u) * (hit->t / length)});
+      }
+    }
+  }
+  return samples;
+}
+
+// Candidates that differ by less than the packing can tell, or nearly so, are one.
+void add_candidate(std::vector<GuardPlane>& candidates, const GuardPlane& plane) {
+  constexpr float same_normal = 0.995F;
+  constexpr float same_distance = 0.1F;
+  for (const GuardPlane& known : candidates) {
+    if (known.normal.dot(plane.normal) > same_normal && std::abs(known.distance - plane.distance) < same_distance)
+      return;
+  }
+  candidates.push_back(plane);
+}
+
+std::vector<GuardPlane> candidate_planes(const Samples& samples) {
+  std::vector<GuardPlane> candidates;
+  constexpr std::size_t most = 48;
+  const std::size_t stride = std::max<std::size_t>(1, samples.hits.size() / (4 * most));
+  for (std::size_t i = 0; i < samples.hits.size() && candidates.size() < most; i += stride)
+    add_candidate(candidates, samples.hits[i]);
+  V3f mean(0, 0, 0);
+  for (const GuardPlane& hit : samples.hits) mean += hit.normal;
+  if (mean.length2() > 0) add_candidate(candidates, {mean.normalized(), 0});
+  return candidates;
+}
+
+struct Scored {
+  GuardPlane plane;
+  float score = 0;
+};
+
+// The best offset for a normal: going down from the largest projection, every hidden point passed
+// gains one, every visible point costs the penalty. A cut between two points goes midway, or at the hit
+// plane itself where that lies between them.
+Scored best_offset(const GuardPlane& candidate, const Samples& samples, float penalty,
+                   std::vector<std::pair<float, float>>& scratch) {
+  scratch.clear();
+  for (const V3f& u : samples.hidden) scratch.emplace_back(candidate.normal.dot(u), 1.0F);
+  for (const V3f& u : samples.visible) scratch.emplace_back(candidate.normal.dot(u), -penalty);
+  std::sort(scratch.begin(), scratch.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+  Scored best{candidate, 0};
+  float score = 0;
+  for (std::size_t i = 0; i < scratch.size(); ++i) {
+    score += scratch[i].second;
+    if (score <= best.score) continue;
+    const float above = scratch[i].first;
+    const float below = i + 1 < scratch.size() ? scratch[i + 1].first : above - 0.1F;
+    const bool hit_between = candidate.distance > below && candidate.distance < above;
+    best = {{candidate.normal, hit_between ? candidate.distance : (above + below) / 2}, score};
+  }
+  return best;
+}
+
+GuardRecord fit_vertex(Samples samples, const GuardFitParams& params) {
+  GuardRecord record;
+  const std::vector<GuardPlane> candidates = candidate_planes(samples);
+  std::vector<std::pair<float, float>> scratch;
+  for (std::size_t slot = 0; slot < guard_planes && !samples.hidden.empty(); ++slot) {
+    Scored best;
+    for (const GuardPlane& candidate : candidates) {
+      const Scored scored = best_offset(candidate, samples, params.clip_penalty, scratch);
+      if (scored.score > best.score) best = scored;
+    }
+    constexpr float worth_a_plane = 1.5F;
+    if (best.score < worth_a_plane) break;
+    record.words[slot] = pack(best.plane);
+    const auto clipped = [&](const V3f& u) { return best.plane.normal.dot(u) > best.plane.distance; };
+    std::erase_if(samples.hidden, clipped);
+    std::erase_if(samples.visible, clipped);
+  }
+  return record;
+}
+
+}  // namespace
+
+std::vector<GuardRecord> fit_guard(const Intersector& intersector, const GridFrame& frame,
+                                   const std::vector<float>& visible_fraction, const GuardFitParams& params) {
+  std::vector<GuardRecord> records(frame.vertex_count());
+  const auto row = std::size_t(frame.size.x);
+  const auto plane = row * std::size_t(frame.size.y);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, records.size(), 64), [&](const auto& range) {
+    for (std::size_t v = range.begin(); v < range.end(); ++v) {
+      if (visible_fraction[v] <= 0) continue;
+      const V3f vertex(static_cast<float>(v % row), static_cast<float>(v % plane / row), static_cast<float>(v / plane));
+      const Samples samples = trace_samples(intersector, frame, vertex, v, params);
+      if (!samples.hidden.empty()) records[v] = fit_vertex(samples, params);
+    }
+  });
+  return records;
+}
+
+}  // namespace ivory

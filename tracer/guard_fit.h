@@ -1,0 +1,21 @@
+// Fits the compact leak guard to a scene.
+#pragma once
+
+#include <vector>
+
+#include "grid/guard.h"
+#include "tracer/intersector.h"
+
+namespace ivory {
+
+struct GuardFitParams {
+  int samples_per_axis = 8;  // stratified points over the support, two voxels wide
+  float clip_penalty = 8;    // one visible point clipped weighs as much as this many hidden points let through
+};
+
+// For each vertex with visible_fraction > 0, up to four planes that part what it sees from what it does
+// not, within one voxel along each axis.
+std::vector<GuardRecord> fit_guard(const Intersector& intersector, const GridFrame& frame,
+                                   const std::vector<float>& visible_fraction, const GuardFitParams& params = {});
+
+}  // namespace ivory

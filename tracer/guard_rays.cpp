@@ -1,0 +1,73 @@
+#include "tracer/guard_rays.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+
+#include "grid/guard.h"
+
+namespace ivory {
+namespace {
+
+V3f vertex_position(const GridFrame& frame, std::uint32_t vertex) {
+  const auto row = std::uint32_t(frame.size.x);
+  const auto plane = row * std::uint32_t(frame.size.y);
+  return frame.to_world(V3f(static_cast<float>(vertex % row), static_cast<float>(vertex % plane / row),
+                            static_cast<float>(vertex / plane)));
+}
+
+std::uint64_t visible_by_rays(const IrradianceGrid& grid, const Intersector& intersector, const V3f& p,
+                              const Footprint& footprint) {
+  std::uint64_t visible = 0;
+  std::array<V3f, 8> targets;
+  std::array<int, 8> entries{};
+  int filled = 0;
+  const auto query = [&] {
+    const std::uint32_t bits = intersector.visible(p, targets, filled);
+    for (int i = 0; i < filled; ++i) {
+      if (((bits >> unsigned(i)) & 1U) != 0) visible |= std::uint64_t(1) << unsigned(entries[std::size_t(i)]);
+    }
+    filled = 0;
+  };
+  for (int i = 0; i < footprint.count; ++i) {
+    const std::uint32_t vertex = footprint.vertex[std::size_t(i)];
+    if (footprint.weight[std::size_t(i)] == 0 || grid.visible_fraction[vertex] <= 0) continue;
+    targets[std::size_t(filled)] = vertex_position(grid.frame, vertex);
+    entries[std::size_t(filled++)] = i;
+    if (filled == 8) query();
+  }
+  if (filled > 0) query();
+  return visible;
+}
+
+}  // namespace
+
+Footprint lookup_footprint(const IrradianceGrid& grid, const Intersector* intersector, Guard guard, const V3f& p,
+                           const V3f& ng, const LookupParams& params) {
+  const V3f& spacing = grid.frame.spacing_m;
+  float nudge_m = params.nudge_voxels * std::min({spacing.x, spacing.y, spacing.z});
+  V3f origin = p;
+  if (guard == Guard::rays) {
+    assert(intersector != nullptr);
+    origin = offset_origin(p, ng, ng);
+    const auto ahead = intersector->closest({.origin = origin, .direction = ng, .t_max = 2 * nudge_m});
+    if (ahead) nudge_m = std::min(nudge_m, ahead->t / 2);
+  }
+  const V3f nudged = origin + ng * nudge_m;
+  Footprint footprint = make_footprint(grid.frame, nudged, params.interpolation);
+  std::uint64_t visible = ~std::uint64_t(0);
+  if (guard == Guard::rays) {
+    visible = visible_by_rays(grid, *intersector, nudged, footprint);
+  } else if (guard == Guard::planes) {
+    visible = visible_by_guard(grid, nudged, footprint);
+  }
+  restrict_footprint(grid, visible, footprint);
+  return footprint;
+}
+
+Rgb lookup_irradiance(const IrradianceGrid& grid, const Intersector* intersector, Guard guard, const V3f& p,
+                      const V3f& ng, const V3f& n, const LookupParams& params) {
+  return irradiance(grid, lookup_footprint(grid, intersector, guard, p, ng, params), n, params.reconstruction);
+}
+
+}  // namespace ivory

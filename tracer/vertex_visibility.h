@@ -1,0 +1,19 @@
+// How much of its own cell each grid vertex sees.
+#pragma once
+
+#include <vector>
+
+#include "grid/irradiance_grid.h"
+#include "tracer/intersector.h"
+
+namespace ivory {
+
+// Bit ((z * 4 + y) * 4 + x) of entry v is set where vertex v sees the whole of that subcell, a quarter of
+// a voxel wide. Photons count for a vertex only there, so light behind a wall stays out of its mean, and
+// the subcells that are seen hold no geometry, so their volume is exact. All ones for an empty scene.
+std::vector<std::uint64_t> vertex_cell_masks(const Intersector& intersector, const GridFrame& frame);
+
+// Set bits over 64.
+std::vector<float> visible_fractions(const std::vector<std::uint64_t>& masks);
+
+}  // namespace ivory
