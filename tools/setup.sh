@@ -19,7 +19,8 @@ install_packages() {
     return 1
   fi
   echo "== installing ${#missing[@]} packages and what they need, up to 1.4 GB"
-  if ! apt_get update || ! apt_get --no-install-recommends install "${missing[@]}"; then
+  apt_get update || true # some unrelated source may be out of reach; the next line is what counts
+  if ! apt_get --no-install-recommends install "${missing[@]}"; then
     cat "$root/build/packages.log" >&2
     echo "apt-get could not install: ${missing[*]}" >&2
     return 1
