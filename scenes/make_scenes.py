@@ -106,7 +106,7 @@ def two_rooms(folder):
     blocks.paint((-1.7, 0.0, -7.8), (-1.5, 2.6, -0.2), "red")
     blocks.paint((1.5, 0.0, -7.8), (1.7, 2.6, -0.2), "blue")
     blocks.paint((-2.5, 0.0, -13.2), (2.5, 3.0, -13.0), "orange")
-    blocks.paint((-1.0, 3.0, -11.5), (1.0, 3.2, -9.5), "lamp")
+    blocks.paint((-1.0, 3.0, -11.5), (1.0, 3.1, -9.5), "lamp")  # not through the roof
     blocks.paint((-2.5, 0.0, 0.0), (2.5, 3.0, 5.0), None)
     blocks.paint((-1.5, 0.0, -8.0), (1.5, 2.6, 0.0), None)
     blocks.paint((-2.5, 0.0, -13.0), (2.5, 3.0, -8.0), None)
@@ -204,7 +204,7 @@ def detail(folder, name, along, around, relief):
     blocks.paint((-2.2, -0.2, -2.2), (2.2, 3.2, 2.2), "white")
     blocks.paint((-2.2, 0.0, -2.0), (-2.0, 3.0, 2.0), "red")
     blocks.paint((2.0, 0.0, -2.0), (2.2, 3.0, 2.0), "green")
-    blocks.paint((-0.1, 3.0, -0.5), (0.9, 3.2, 0.5), "lamp")
+    blocks.paint((-0.2, 3.0, -0.5), (0.8, 3.1, 0.5), "lamp")
     blocks.paint((-2.0, 0.0, -2.0), (2.0, 3.0, 2.0), None)
     blocks.paint((-0.8, 0.0, -0.8), (0.8, 0.5, 0.8), "white")
     knot = {"white": shapes.torus_knot(along, around, relief)}
