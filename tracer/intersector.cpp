@@ -134,7 +134,9 @@ struct Intersector::State {
 
   RTCScene new_scene() const {
     RTCScene embree_scene = rtcNewScene(device);
-    rtcSetSceneFlags(embree_scene, RTC_SCENE_FLAG_ROBUST);
+    // The second flag is for filter_back_faces: an Embree that asserts, as Debian's does, aborts without it.
+    rtcSetSceneFlags(embree_scene,
+                     static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
     rtcSetSceneBuildQuality(embree_scene, RTC_BUILD_QUALITY_MEDIUM);
     return embree_scene;
   }
