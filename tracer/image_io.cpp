@@ -1,0 +1,121 @@
+#include "tracer/image_io.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include <OpenImageIO/imageio.h>
+
+#include "grid/error.h"
+#include "grid/io_file.h"
+
+namespace ivory {
+
+namespace {
+
+std::string lower_extension(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return char(std::tolower(c)); });
+  return extension;
+}
+
+// IEC 61966-2-1.
+float srgb_from_linear(float x) { return x <= 0.0031308F ? 12.92F * x : 1.055F * std::pow(x, 1.0F / 2.4F) - 0.055F; }
+
+void add_metadata(OIIO::ImageSpec& spec, const Metadata& metadata) {
+  for (const auto& [key, value] : metadata) {
+    const std::string attribute = "ivory:" + key;
+    std::visit(
+        [&](const auto& v) {
+          using T = std::decay_t<decltype(v)>;
+          if constexpr (std::is_same_v<T, std::string>) {
+            spec.attribute(attribute, v);
+          } else if constexpr (std::is_same_v<T, double>) {
+            spec.attribute(attribute, float(v));
+          } else if (v >= std::numeric_limits<int>::min() && v <= std::numeric_limits<int>::max()) {
+            spec.attribute(attribute, int(v));
+          } else {
+            spec.attribute(attribute, std::to_string(v));  // formats keep 32-bit integers only
+          }
+        },
+        value);
+  }
+}
+
+}  // namespace
+
+bool is_linear_image(const std::string& path) {
+  const std::string extension = lower_extension(path);
+  for (const char* linear : {".exr", ".hdr", ".pfm", ".tif", ".tiff"}) {
+    if (extension == linear) return true;
+  }
+  return false;
+}
+
+void write_image(const std::string& path, const Film& film, float exposure_stops, const Metadata& metadata,
+                 bool force) {
+  PendingFile pending(path, force);
+  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(pending.temporary());
+  if (!output) {
+    OIIO::geterror();  // OpenImageIO prints an unread error when the program ends
+    throw Error(path, "has no extension that names an image format", "end it in .exr or .png");
+  }
+  const bool linear = is_linear_image(path);
+  OIIO::ImageSpec spec(film.width, film.height, 3, linear ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8);
+  spec.attribute("oiio:ColorSpace", linear ? "linear" : "sRGB");
+  if (lower_extension(path) == ".exr") spec.attribute("compression", "zip");
+  add_metadata(spec, metadata);
+
+  std::vector<float> display;
+  const float* data = &film.pixels.front().x;
+  if (!linear) {
+    const float scale = std::exp2(exposure_stops);
+    display.reserve(film.pixels.size() * 3);
+    for (const Rgb& pixel : film.pixels) {
+      const Rgb mapped = tone_map(pixel * scale);
+      for (int c = 0; c < 3; ++c) display.push_back(srgb_from_linear(std::clamp(mapped[c], 0.0F, 1.0F)));
+    }
+    data = display.data();
+  }
+  if (!output->open(pending.temporary(), spec) || !output->write_image(OIIO::TypeDesc::FLOAT, data) || !output->close())
+    throw Error(path, "cannot be written (" + output->geterror() + ")", "check the disk and the extension");
+  pending.commit();
+}
+
+Film read_image(const std::string& path) {
+  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path);
+  if (!input) {
+    OIIO::geterror();
+    throw Error(path, "cannot be read as an image", "give an EXR or other image file");
+  }
+  const OIIO::ImageSpec spec = input->spec();
+  const int channels = spec.nchannels >= 3 ? 3 : 1;
+  Film film;
+  film.width = spec.width;
+  film.height = spec.height;
+  const auto count = std::size_t(spec.width) * std::size_t(spec.height);
+  std::vector<float> data;
+  try {
+    data.resize(count * std::size_t(channels));
+    film.pixels.resize(count);
+  } catch (const std::bad_alloc&) {
+    throw Error(path, "does not fit into memory", "scale it down");
+  }
+  if (!input->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, data.data()))
+    throw Error(path, "is damaged (" + input->geterror() + ")", "write it again");
+  for (std::size_t i = 0; i < count; ++i) {
+    const float* p = data.data() + i * std::size_t(channels);
+    film.pixels[i] = channels == 3 ? Rgb(p[0], p[1], p[2]) : Rgb(p[0], p[0], p[0]);
+    for (int c = 0; c < 3; ++c) {
+      if (!std::isfinite(film.pixels[i][c])) throw Error(path, "holds values that are not finite", "render it again");
+    }
+  }
+  return film;
+}
+
+}  // namespace ivory

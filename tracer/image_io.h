@@ -1,0 +1,25 @@
+// Films to image files and back, through OpenImageIO.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "grid/metadata.h"
+#include "tracer/film.h"
+
+namespace ivory {
+
+// True where the format of that name's extension keeps linear light: .exr, .hdr, .pfm, .tif. The others
+// (.png, .jpg, ...) hold display values.
+bool is_linear_image(const std::string& path);
+
+// Writes float linear RGB, or 8-bit sRGB after 2^exposure_stops and tone_map(). Every entry of `metadata`
+// becomes an attribute "ivory:<name>" where the format keeps attributes. Whole or not at all; throws Error where
+// the file exists and not `force`, cannot be written, or its format is unknown.
+void write_image(const std::string& path, const Film& film, float exposure_stops, const Metadata& metadata, bool force);
+
+// The first three channels as they are in the file (display images are not linearised), one channel
+// as grey. Throws Error for unreadable files and values that are not finite.
+Film read_image(const std::string& path);
+
+}  // namespace ivory
