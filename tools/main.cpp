@@ -42,8 +42,8 @@ int run(int argc, char** argv) {
       "'ivory COMMAND --help' explains a command.");
 
   // One line a command of commands.h.
-  ivory::add_compare_command(app, common);
   ivory::CommonOptions common;
+  ivory::add_compare_command(app, common);
 
   try {
     app.parse(argc, argv);
