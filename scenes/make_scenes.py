@@ -102,18 +102,18 @@ def cornell_box(folder):
 def two_rooms(folder):
     """After the two-room scene of RR-6983, figure 5: lit in the far room only."""
     blocks = Blocks()
-    blocks.paint((-2.7, -0.2, -13.2), (2.7, 3.2, 5.2), "white")
-    blocks.paint((-1.7, 0.0, -7.8), (-1.5, 2.6, -0.2), "red")
-    blocks.paint((1.5, 0.0, -7.8), (1.7, 2.6, -0.2), "blue")
-    blocks.paint((-2.5, 0.0, -13.2), (2.5, 3.0, -13.0), "orange")
-    blocks.paint((-1.0, 3.0, -11.5), (1.0, 3.1, -9.5), "lamp")  # not through the roof
+    blocks.paint((-2.7, -0.2, -10.2), (2.7, 3.2, 5.2), "white")
+    blocks.paint((-1.7, 0.0, -4.8), (-1.5, 2.7, -0.2), "red")
+    blocks.paint((1.5, 0.0, -4.8), (1.7, 2.7, -0.2), "blue")
+    blocks.paint((-2.5, 0.0, -10.2), (2.5, 3.0, -10.0), "orange")
+    blocks.paint((-1.0, 3.0, -8.0), (1.0, 3.1, -6.0), "lamp")  # not through the roof
     blocks.paint((-2.5, 0.0, 0.0), (2.5, 3.0, 5.0), None)
-    blocks.paint((-1.5, 0.0, -8.0), (1.5, 2.6, 0.0), None)
-    blocks.paint((-2.5, 0.0, -13.0), (2.5, 3.0, -8.0), None)
+    blocks.paint((-1.5, 0.0, -5.0), (1.5, 2.7, 0.0), None)
+    blocks.paint((-2.5, 0.0, -10.0), (2.5, 3.0, -5.0), None)
     pieces = blocks.pieces()
-    for i in range(5):
+    for z in (-0.9, -2.5, -4.1):
         for x in (-0.85, 0.85):  # the ends reach 1 cm into floor and ceiling
-            shapes.cylinder(pieces["white"], x, -0.8 - 1.6 * i, 0.2, -0.01, 2.61, 32)
+            shapes.cylinder(pieces["white"], x, z, 0.2, -0.01, 2.71, 32)
 
     gltf = Gltf()
     materials = {"white": gltf.material("white", (0.75, 0.75, 0.75)),
@@ -122,8 +122,8 @@ def two_rooms(folder):
                  "orange": gltf.material("orange", (0.75, 0.45, 0.15)),
                  "lamp": gltf.material("lamp", (0.75, 0.75, 0.75), (60.0, 60.0, 60.0))}
     gltf.node("two rooms", mesh=gltf.mesh("two rooms", pieces, materials))
-    gltf.camera("dark room", (1.4, 1.6, 4.6), (-0.3, 1.15, -2.0), 0.9)
-    gltf.camera("lit room", (-2.1, 1.7, -12.6), (0.6, 1.1, -6.0), 0.9)
+    gltf.camera("dark room", (1.5, 1.6, 4.4), (-0.2, 1.25, -1.5), 0.95)
+    gltf.camera("lit room", (-2.1, 1.7, -9.6), (0.6, 1.1, -3.0), 0.9)
     gltf.save(folder / "two_rooms.gltf")
 
 

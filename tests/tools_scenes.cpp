@@ -64,7 +64,7 @@ const std::vector<Expected>& expectations() {
       {"cornell_box.glb", 12, {0.556F, 0.5488F, 0.5592F}, 1.9206957F, 0, 2, cornell, 1},
       {"two_rooms.gltf",
        0,
-       {5.4F, 3.4F, 18.4F},
+       {5.4F, 3.4F, 15.4F},
        0,
        0,
        2,
