@@ -2,9 +2,12 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <system_error>
 #include <utility>
 
+#include <OpenImageIO/hash.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include "grid/error.h"
@@ -36,6 +39,13 @@ void PendingFile::commit() {
   if (error)
     throw Error(path_, "cannot be renamed into place (" + error.message() + ")", "check the folder's permissions");
   committed_ = true;
+}
+
+std::string file_hash(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  if (!file) throw Error(path, "cannot be read", "check that it exists and is readable");
+  return fmt::format("{:016x}", OIIO::xxhash::XXH64(bytes.data(), bytes.size(), 0));
 }
 
 }  // namespace ivory

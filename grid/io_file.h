@@ -1,4 +1,4 @@
-// Files are written whole or not at all: under a temporary name beside the target, then renamed.
+// Files as wholes: written under a temporary name beside the target, then renamed; and hashed.
 #pragma once
 
 #include <string>
@@ -24,5 +24,8 @@ class PendingFile {
   std::string temporary_;
   bool committed_ = false;
 };
+
+// Hash (XXH64, 16 hexadecimal digits) of a file's bytes. Throws Error where it cannot be read.
+std::string file_hash(const std::string& path);
 
 }  // namespace ivory

@@ -18,6 +18,7 @@ inline constexpr const char* vdb_sums_kind = "photon sums";
 // File metadata: facts of the file itself begin with file_prefix, the caller's Metadata (whose keys
 // never begin with "file_") with meta_prefix.
 inline const std::string file_prefix = "ivory_file_";
+inline const std::string counter_prefix = "ivory_file_counter_";
 inline const std::string meta_prefix = "ivory_";
 
 inline constexpr const char* visible_fraction_name = "visible_fraction";

@@ -263,6 +263,11 @@ GridSums read_sums_vdb(const std::string& path) {
     const auto end = in.get<std::int64_t>("photon_end");
     if (begin < 0 || end < begin) throw in.missing("its photon range");
     sums.photon_begin = std::uint64_t(begin);
+    for (auto entry = in.metadata->beginMeta(); entry != in.metadata->endMeta(); ++entry) {
+      if (!entry->first.starts_with(counter_prefix)) continue;
+      sums.counters[entry->first.substr(counter_prefix.size())] =
+          in.get<std::int64_t>(entry->first.substr(file_prefix.size()));
+    }
     sums.photon_end = std::uint64_t(end);
 
     const auto layout = in.get_named(
@@ -276,7 +281,7 @@ GridSums read_sums_vdb(const std::string& path) {
       for_each_vertex(*grid, visibility.frame,
                       [&](std::size_t vertex, std::int64_t value) { sums.sums[vertex * stride + i] = value; });
     }
-    if ((in.get<std::int64_t>("guard") != 0) != !visibility.guard.empty()) throw in.missing("grid guard_0");
+    if ((in.get<std::int64_t>("guard_stored") != 0) != !visibility.guard.empty()) throw in.missing("grid guard_0");
     sums.frame = visibility.frame;
     sums.visible_fraction = std::move(visibility.visible_fraction);
     sums.guard = std::move(visibility.guard);

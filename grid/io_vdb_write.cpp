@@ -204,7 +204,8 @@ void write_vdb(const std::string& path, const GridSums& sums, bool force) {
     put(metadata, file_prefix + "quantum_squared", sums.quantum_squared);
     put(metadata, file_prefix + "photon_begin", std::int64_t(sums.photon_begin));
     put(metadata, file_prefix + "photon_end", std::int64_t(sums.photon_end));
-    put(metadata, file_prefix + "guard", std::int64_t(sums.guard.empty() ? 0 : 1));
+    put(metadata, file_prefix + "guard_stored", std::int64_t(sums.guard.empty() ? 0 : 1));
+    for (const auto& [key, value] : sums.counters) put(metadata, counter_prefix + key, value);
     add_metadata_copy(grids, metadata);
     write_sealed(path, force, grids, metadata);
   });

@@ -96,6 +96,7 @@ GridSums merge(std::vector<GridSums> parts, const std::vector<std::string>& name
       if (__builtin_add_overflow(total.sums[at], part.sums[at], &total.sums[at]))
         throw Error(part_name, "the sums exceed 64 bits", "merge fewer photons");
     }
+    for (const auto& [key, value] : part.counters) total.counters[key] += value;
     total.photon_end = part.photon_end;
   }
   return total;

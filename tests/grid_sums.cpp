@@ -32,6 +32,7 @@ TEST(Merge, AddsUpExactlyInAnyOrder) {
   const GridSums merged =
       merge({part(300, 301, -3), part(100, 300, 17), part(301, 500, 8)}, {"a.vdb", "b.vdb", "c.vdb"});
   EXPECT_EQ(merged.sums, whole.sums);
+  EXPECT_EQ(merged.counters.at("rays"), 3 * whole.counters.at("rays"));
   EXPECT_EQ(merged.photon_begin, 100);
   EXPECT_EQ(merged.photon_end, 500);
   EXPECT_EQ(merged.metadata, whole.metadata);

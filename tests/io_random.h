@@ -85,6 +85,7 @@ inline GridSums random_sums(std::uint32_t seed, Basis basis, Estimator estimator
   sums.quantum_squared = 1e-7;
   sums.photon_begin = 10;
   sums.photon_end = 20'000'000'000;
+  sums.counters = {{"rays", 1'000'000'000'000}, {"ledger_emitted", 5}};
   sums.metadata = {{"photons", std::int64_t(20'000'000'000)}, {"method", std::string("photons")}};
   return sums;
 }

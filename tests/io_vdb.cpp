@@ -85,6 +85,7 @@ TEST(VdbSums, ReadBackWhatWasWritten) {
       EXPECT_EQ(in.basis, out.basis);
       EXPECT_EQ(in.estimator, out.estimator);
       EXPECT_EQ(in.sums, out.sums);
+      EXPECT_EQ(in.counters, out.counters);
       EXPECT_EQ(in.quantum, out.quantum);
       EXPECT_EQ(in.quantum_squared, out.quantum_squared);
       EXPECT_EQ(in.visible_fraction, out.visible_fraction);

@@ -43,7 +43,13 @@ int run(int argc, char** argv) {
 
   // One line a command of commands.h.
   ivory::CommonOptions common;
+  CLI::App* bake = app.add_subcommand("bake", "Bake light into an asset");
+  bake->require_subcommand(1);
+  ivory::add_bake_grid_command(*bake, common);
+  ivory::add_merge_command(app, common);
+  ivory::add_probe_command(app, common);
   ivory::add_compare_command(app, common);
+  ivory::add_info_command(app, common);
 
   try {
     app.parse(argc, argv);

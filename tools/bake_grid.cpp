@@ -1,0 +1,129 @@
+// ivory bake grid: photons through a scene into an irradiance-vector grid.
+#include <chrono>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "grid/error.h"
+#include "tools/commands.h"
+#include "tools/common.h"
+#include "tools/grid_result.h"
+#include "tools/scene_input.h"
+#include "tracer/grid_baker.h"
+
+namespace ivory {
+
+namespace {
+
+struct BakeGridOptions {
+  std::string scene;
+  std::string output;
+  std::string environment;
+  std::string basis = "vectors";
+  std::string estimator = "track";
+  std::string guard = "rays";
+  std::uint64_t seed = 1;
+  GridBakeParams params;
+};
+
+void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) {
+  GridBakeParams params = options.params;
+  params.basis = basis_from_name(options.basis);
+  params.estimator = estimator_from_name(options.estimator);
+  params.guard = guard_from_name(options.guard);
+  params.seed = options.seed;
+  params.threads = thread_count(common);
+  sum_layout(params.basis, params.estimator);  // refuses bases that the estimator cannot fill
+  check_output(options.output, common);
+
+  const auto input = load_scene_input(options.scene, options.environment, common);
+  const GridFrame frame = default_frame(input->scene, params);
+  print_note(common, fmt::format("baking {}x{}x{} vertices, {:.4g} x {:.4g} x {:.4g} m apart; basis {}, estimator {}, "
+                                 "guard {}, {} light",
+                                 frame.size.x, frame.size.y, frame.size.z, frame.spacing_m.x, frame.spacing_m.y,
+                                 frame.spacing_m.z, options.basis, options.estimator, options.guard,
+                                 params.include_direct ? "direct and indirect" : "indirect"));
+  const auto start = std::chrono::steady_clock::now();
+  GridSums sums = [&] {
+    Progress progress(common, "baking", "photons");
+    params.progress = progress.callback();
+    return bake_grid_sums(*input->intersector, *input->lights, params);
+  }();
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  for (const auto& [key, value] : input->origin) sums.metadata[key] = value;
+
+  auto result = write_result(options.output, sums, /*finished=*/!params.photon_range, common);
+  const double rate = static_cast<double>(sums.photon_end - sums.photon_begin) / seconds;
+  result["seconds"] = seconds;
+  result["photons_per_second"] = rate;
+  result["warnings"] = input->warnings;
+  print_result(common, result,
+               result_text(result) +
+                   fmt::format("{:.2f} s, {} photons/s on {} threads\n", seconds, format_count(rate), params.threads));
+}
+
+}  // namespace
+
+void add_bake_grid_command(CLI::App& bake, CommonOptions& common) {
+  auto* command = bake.add_subcommand("grid", "Bake a scene's indirect light into an irradiance-vector grid (.vdb)");
+  auto options = std::make_shared<BakeGridOptions>();
+  GridBakeParams& params = options->params;
+  command->add_option("scene", options->scene, "Scene: .gltf or .glb, metres, +Y up")->required()->type_name("SCENE");
+  command->add_option("-o,--output", options->output, "Grid to write, .vdb")->required()->type_name("OUT.vdb");
+
+  auto* resolution = command->add_option_function<std::string>(
+      "--resolution", [&params](const std::string& text) { params.resolution = parse_size3("--resolution", text, 2); },
+      "Vertices along x, y and z, or one number for all [32 along the longest side]");
+  resolution->type_name("NX,NY,NZ");
+  command
+      ->add_option_function<float>(
+          "--voxel-size", [&params](float metres) { params.voxel_size_m = metres; },
+          "Distance between vertices in metres, the same along x, y and z")
+      ->check(CLI::PositiveNumber)
+      ->type_name("METRES")
+      ->excludes(resolution);
+  add_count_option(*command, "--photons", params.photons,
+                   "Photons of the whole bake; k, m, g are allowed [256 a vertex, at least 1m]");
+  command
+      ->add_option_function<std::string>(
+          "--photon-range",
+          [&params](const std::string& text) { params.photon_range = parse_range("--photon-range", text); },
+          "Trace photons A to B-1 of --photons only and write their sums, a part for 'ivory merge'")
+      ->type_name("A:B");
+  add_count_option(*command, "--seed", options->seed, "Seed of the random numbers");
+  command
+      ->add_option("--bounces", params.max_bounces,
+                   "Surfaces a photon may scatter at; Russian roulette ends most before")
+      ->check(CLI::Range(1, 1'000'000))
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_flag("--direct", params.include_direct, "Store light straight from its sources too");
+  command->add_option("--env", options->environment, "Lat-long environment map in nits: .exr or .hdr, 2:1")
+      ->type_name("IMAGE");
+  command->add_option("--basis", options->basis, "Directional basis stored at each vertex")
+      ->check(CLI::IsMember({"vectors", "vectors9", "sh9", "ambient_cube", "sh4"}))
+      ->capture_default_str();
+  command
+      ->add_option("--estimator", options->estimator,
+                   "How photons count: by the length of their path in a cell (track), or by faces crossed, divided by "
+                   "the cosine (face) or as published (face_paper); the face estimators fill basis vectors only")
+      ->check(CLI::IsMember({"track", "face", "face_paper"}))
+      ->capture_default_str();
+  command
+      ->add_option("--guard", options->guard,
+                   "Leak guard: rays and planes count only light that a vertex sees and store its compact guard; off "
+                   "does neither")
+      ->check(CLI::IsMember({"rays", "planes", "off"}))
+      ->capture_default_str();
+  command->footer(
+      "The same command gives the same bytes with any --threads.\n"
+      "Examples:\n"
+      "  ivory bake grid room.glb -o room.vdb\n"
+      "  ivory bake grid room.glb -o room.vdb --resolution 48,24,48 --photons 16m\n"
+      "  ivory bake grid room.glb -o b.vdb --photons 16m --photon-range 8m:16m   (one machine's half; see ivory "
+      "merge)");
+  set_action(*command, common, Output::file, [options, &common] { run_bake_grid(*options, common); });
+}
+
+}  // namespace ivory

@@ -1,0 +1,123 @@
+// ivory info: what a file holds and how it was made.
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "grid/error.h"
+#include "grid/io_image_info.h"
+#include "grid/io_vdb.h"
+#include "tools/commands.h"
+#include "tools/common.h"
+#include "tools/scene_input.h"
+
+namespace ivory {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const Metadata& metadata) {
+  Json json = Json::object();
+  for (const auto& [key, value] : metadata)
+    std::visit([&, &meta_key = key](const auto& v) { json[meta_key] = v; }, value);
+  return json;
+}
+
+Json vector_json(const V3f& v) { return {v.x, v.y, v.z}; }
+Json vector_json(const Rgb& c) { return {c.x, c.y, c.z}; }
+
+Json scene_json(const std::string& path, const CommonOptions& common) {
+  // The warnings are part of the result here.
+  CommonOptions silent = common;
+  silent.quiet = true;
+  const auto input = load_scene_input(path, {}, silent);
+  const Scene& scene = input->scene;
+  std::size_t triangles = 0;
+  std::size_t placed = 0;
+  for (const Mesh& mesh : scene.meshes) triangles += mesh.triangles.size();
+  for (const Instance& instance : scene.instances) placed += scene.meshes[std::size_t(instance.mesh)].triangles.size();
+  const auto emissive = std::count_if(scene.materials.begin(), scene.materials.end(),
+                                      [](const Material& material) { return !is_black(material.emission); });
+  std::size_t points = 0;
+  std::size_t spots = 0;
+  std::size_t suns = 0;
+  for (const PunctualLight& light : scene.lights) {
+    points += std::holds_alternative<PointLight>(light) ? 1 : 0;
+    spots += std::holds_alternative<SpotLight>(light) ? 1 : 0;
+    suns += std::holds_alternative<DirectionalLight>(light) ? 1 : 0;
+  }
+  Json json{{"kind", "scene"},
+            {"content_hash", scene.content_hash},
+            {"triangles", triangles},
+            {"triangles_placed", placed},
+            {"meshes", scene.meshes.size()},
+            {"instances", scene.instances.size()},
+            {"materials", scene.materials.size()},
+            {"emissive_materials", emissive},
+            {"images", scene.images.size()},
+            {"cameras", scene.cameras.size()},
+            {"point_lights", points},
+            {"spot_lights", spots},
+            {"directional_lights", suns}};
+  if (const Box3f box = bounds(scene); !box.isEmpty()) {
+    json["bounds_min_m"] = vector_json(box.min);
+    json["bounds_max_m"] = vector_json(box.max);
+  }
+  json["power_lm"] = vector_json(input->lights->total_power_lm());
+  json["warnings"] = input->warnings;
+  return json;
+}
+
+std::string text_of(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (!value.is_array()) return value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string text;
+  for (const Json& item : value) text += (text.empty() ? "" : " ") + text_of(item);
+  return text;
+}
+
+void run_info(const std::string& path, const CommonOptions& common) {
+  if (!std::filesystem::exists(path)) throw Error(path, "does not exist", "check the name");
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  Json json{{"file", path}};
+  if (extension == ".vdb") {
+    json.update(json_of(read_vdb_info(path)));
+  } else if (is_scene_name(path)) {
+    json.update(scene_json(path, common));
+  } else {
+    json["kind"] = "image";
+    json.update(json_of(read_image_info(path)));
+  }
+  std::string text;
+  for (const auto& [key, value] : json.items()) {
+    if (key == "warnings") {
+      for (const Json& warning : value) text += fmt::format("{:<20} {}\n", "warning", text_of(warning));
+    } else {
+      text += fmt::format("{:<20} {}\n", key, text_of(value));
+    }
+  }
+  print_result(common, json, text);
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& app, CommonOptions& common) {
+  auto* command = app.add_subcommand("info", "What a file holds and how it was made: grids, parts, scenes, images");
+  auto path = std::make_shared<std::string>();
+  command->add_option("file", *path, "File: .vdb, .gltf, .glb, or an image")->required()->type_name("FILE");
+  command->footer(
+      "Lengths are in metres, powers in lumen (R G B), irradiance in lux.\n"
+      "Examples:\n"
+      "  ivory info room.vdb\n"
+      "  ivory info room.glb --json");
+  set_action(*command, common, Output::none, [path, &common] { run_info(*path, common); });
+}
+
+}  // namespace ivory

@@ -1,0 +1,39 @@
+#include "tools/scene_input.h"
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+
+#include "grid/io_file.h"
+#include "tracer/environment.h"
+#include "tracer/gltf_loader.h"
+
+namespace ivory {
+
+bool is_scene_name(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".gltf" || extension == ".glb";
+}
+
+std::unique_ptr<SceneInput> load_scene_input(const std::string& path, const std::string& environment_path,
+                                             const CommonOptions& common) {
+  auto input = std::make_unique<SceneInput>();
+  LoadedScene loaded = load_gltf(path);
+  input->scene = std::move(loaded.scene);
+  input->warnings = std::move(loaded.warnings);
+  input->origin["scene"] = std::filesystem::path(path).filename().string();
+  input->origin["scene_hash"] = input->scene.content_hash;
+  if (!environment_path.empty()) {
+    input->scene.environment = load_environment(environment_path);
+    input->origin["environment"] = std::filesystem::path(environment_path).filename().string();
+    input->origin["environment_hash"] = file_hash(environment_path);
+  }
+  for (const std::string& warning : input->warnings) print_note(common, "warning: " + warning);
+  input->intersector = std::make_unique<Intersector>(input->scene);
+  input->lights = std::make_unique<Lights>(input->scene, *input->intersector);
+  return input;
+}
+
+}  // namespace ivory

@@ -1,0 +1,34 @@
+// The scene that a command works on: the glTF file, the environment map given beside it, and all
+// that is built from the two.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "grid/metadata.h"
+#include "tools/common.h"
+#include "tracer/intersector.h"
+#include "tracer/lights.h"
+#include "tracer/scene.h"
+
+namespace ivory {
+
+// Holds addresses of its own members: neither copied nor moved, which is why it comes in a pointer.
+struct SceneInput {
+  Scene scene;
+  std::vector<std::string> warnings;
+  std::unique_ptr<Intersector> intersector;
+  std::unique_ptr<Lights> lights;
+  Metadata origin;  // scene, scene_hash, environment, environment_hash: names without folders, hashes of contents
+};
+
+// True for the names that load as scenes: .gltf and .glb, in any case.
+bool is_scene_name(const std::string& path);
+
+// Loads `path` and, unless empty, the lat-long image `environment_path`; prints the loader's
+// warnings as notes. Throws Error as load_gltf() and load_environment() do.
+std::unique_ptr<SceneInput> load_scene_input(const std::string& path, const std::string& environment_path,
+                                             const CommonOptions& common);
+
+}  // namespace ivory
