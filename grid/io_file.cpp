@@ -19,6 +19,8 @@ namespace fs = std::filesystem;
 PendingFile::PendingFile(std::string path, bool force) : path_(std::move(path)) {
   const fs::path target(path_);
   if (fs::is_directory(target)) throw Error(path_, "is a folder", "give a file name");
+  if (fs::exists(target) && !fs::is_regular_file(target))
+    throw Error(path_, "is not an ordinary file", "give another name");  // a device would be replaced by a file
   if (!force && fs::exists(target)) throw Error(path_, "already exists", "give --force to overwrite it");
   temporary_ = (target.parent_path() / ("." + target.stem().string() + "." + std::to_string(::getpid()) + ".part" +
                                         target.extension().string()))

@@ -4,7 +4,7 @@
 // irradiance vector in the grid's local frame (vector type contravariant relative, local space).
 // vectors9: F_r.., S_r.., C_r... The others: one Vec3f RGB grid a function (L00, L1m1, L10, ...;
 // E_px, E_mx, ...), vector type invariant. Beside them visible_fraction (float), variance (Vec3f)
-// and the guard (guard_0 .. guard_3, int32). Sparse: a vertex that stores nothing is inactive.
+// and the guard (guard_0, guard_1: Vec3f, see io_vdb_layout.h). Sparse: a vertex that stores nothing is inactive.
 #pragma once
 
 #include <string>

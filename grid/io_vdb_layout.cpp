@@ -31,7 +31,31 @@ void add_rgb(std::vector<VectorField>& fields, std::string name, int function) {
 
 }  // namespace
 
-std::string guard_name(int word) { return "guard_" + std::to_string(word); }
+std::string guard_name(int half) { return "guard_" + std::to_string(half); }
+
+std::array<float, 6> floats_from_guard(const GuardRecord& record) {
+  std::array<float, 6> floats{};
+  for (unsigned i = 0; i < 6; ++i) {
+    const unsigned bit = 24 * i;
+    std::uint64_t window = record.words[bit / 32];
+    if (bit / 32 + 1 < 4) window |= std::uint64_t(record.words[bit / 32 + 1]) << 32U;
+    floats[i] = float((window >> (bit % 32)) & 0xFFFFFFU);
+  }
+  return floats;
+}
+
+std::optional<GuardRecord> guard_from_floats(const std::array<float, 6>& floats) {
+  GuardRecord record;
+  for (unsigned i = 0; i < 6; ++i) {
+    const float most = i < 5 ? 0x1p24F : 0x1p8F;  // 128 = 5 * 24 + 8
+    if (!(floats[i] >= 0 && floats[i] < most) || floats[i] != std::floor(floats[i])) return std::nullopt;
+    const unsigned bit = 24 * i;
+    const std::uint64_t window = std::uint64_t(floats[i]) << (bit % 32);
+    record.words[bit / 32] |= std::uint32_t(window);
+    if (bit / 32 + 1 < 4) record.words[bit / 32 + 1] |= std::uint32_t(window >> 32U);
+  }
+  return record;
+}
 
 int file_stride(Basis basis) { return basis == Basis::vectors ? 54 : function_count(basis) * 3; }
 

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,13 @@ inline const std::string meta_prefix = "ivory_";
 
 inline constexpr const char* visible_fraction_name = "visible_fraction";
 inline constexpr const char* variance_name = "variance";
-std::string guard_name(int word);
+
+// A guard record as six floats of 24 bits each, lowest first, in two Vec3f grids guard_0 and guard_1:
+// python-openvdb refuses whole files that hold a grid of integers.
+std::string guard_name(int half);
+std::array<float, 6> floats_from_guard(const GuardRecord& record);
+// Nothing where the floats hold no record.
+std::optional<GuardRecord> guard_from_floats(const std::array<float, 6>& floats);
 
 // A vertex's floats as the file keeps them: the moments, or for Basis::vectors the six
 // hemispherical vectors, [hemisphere][xyz][rgb].

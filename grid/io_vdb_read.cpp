@@ -1,7 +1,6 @@
 // Reading half of io_vdb.h.
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -172,6 +171,19 @@ struct Visibility {
   openvdb::math::Transform::Ptr transform;
 };
 
+// Components of a Vec3f grid into floats at `offset`, `stride` apart.
+void read_vectors(OpenFile& in, const std::string& grid_name, const Visibility& visibility, float least,
+                  const std::array<int, 3>& offset, std::size_t stride, float* values) {
+  const auto grid = in.grid<Vec3fGrid>(grid_name, visibility.frame, visibility.transform.get());
+  for_each_vertex(*grid, visibility.frame, [&](std::size_t vertex, const openvdb::Vec3s& value) {
+    for (int i = 0; i < 3; ++i) {
+      if (!std::isfinite(value[i]) || value[i] < least)
+        throw Error(in.path, "grid " + grid_name + " holds a value that is not finite or negative", "bake it again");
+      values[vertex * stride + std::size_t(offset[std::size_t(i)])] = value[i];
+    }
+  });
+}
+
 Visibility read_visibility(OpenFile& in, std::size_t bytes_per_vertex) {
   Visibility out;
   const GridFrame stored = in.stored_frame(bytes_per_vertex);
@@ -188,27 +200,18 @@ Visibility read_visibility(OpenFile& in, std::size_t bytes_per_vertex) {
     out.visible_fraction[vertex] = value;
   });
   if (!in.file.hasGrid(guard_name(0))) return out;
+  std::vector<float> floats(stored.vertex_count() * 6);
+  read_vectors(in, guard_name(0), out, 0, {0, 1, 2}, 6, floats.data());
+  read_vectors(in, guard_name(1), out, 0, {3, 4, 5}, 6, floats.data());
   out.guard.resize(stored.vertex_count());
-  for (int word = 0; word < 4; ++word) {
-    const auto grid = in.grid<openvdb::Int32Grid>(guard_name(word), stored, out.transform.get());
-    for_each_vertex(*grid, stored, [&](std::size_t vertex, std::int32_t value) {
-      out.guard[vertex].words[std::size_t(word)] = std::bit_cast<std::uint32_t>(value);
-    });
+  for (std::size_t vertex = 0; vertex < out.guard.size(); ++vertex) {
+    std::array<float, 6> six{};
+    std::copy_n(floats.begin() + std::ptrdiff_t(6 * vertex), 6, six.begin());
+    const auto record = guard_from_floats(six);
+    if (!record) throw in.missing("grid " + guard_name(0));
+    out.guard[vertex] = *record;
   }
   return out;
-}
-
-// Components of a Vec3f grid into floats at `offset`, `stride` apart.
-void read_vectors(OpenFile& in, const std::string& grid_name, const Visibility& visibility, float least,
-                  const std::array<int, 3>& offset, std::size_t stride, float* values) {
-  const auto grid = in.grid<Vec3fGrid>(grid_name, visibility.frame, visibility.transform.get());
-  for_each_vertex(*grid, visibility.frame, [&](std::size_t vertex, const openvdb::Vec3s& value) {
-    for (int i = 0; i < 3; ++i) {
-      if (!std::isfinite(value[i]) || value[i] < least)
-        throw Error(in.path, "grid " + grid_name + " holds a value that is not finite or negative", "bake it again");
-      values[vertex * stride + std::size_t(offset[std::size_t(i)])] = value[i];
-    }
-  });
 }
 
 }  // namespace
@@ -297,7 +300,9 @@ Metadata read_vdb_info(const std::string& path) {
     Metadata info = in.caller_metadata();
     for (auto entry = in.metadata->beginMeta(); entry != in.metadata->endMeta(); ++entry) {
       if (!entry->first.starts_with(file_prefix)) continue;
-      const std::string key = entry->first.substr(file_prefix.size());
+      // Counters go by their bare name, as they do in a finished grid.
+      const std::string key =
+          entry->first.substr(entry->first.starts_with(counter_prefix) ? counter_prefix.size() : file_prefix.size());
       const openvdb::Metadata& value = *entry->second;
       if (const auto* integer = dynamic_cast<const openvdb::Int64Metadata*>(&value))
         info[key] = std::int64_t(integer->value());

@@ -1,6 +1,5 @@
 // Writing half of io_vdb.h.
 #include <algorithm>
-#include <bit>
 #include <cassert>
 #include <fstream>
 #include <sstream>
@@ -111,10 +110,13 @@ void add_visibility(openvdb::GridCPtrVec& grids, const openvdb::math::Transform:
   grids.push_back(make_grid<openvdb::FloatGrid>(visible_fraction_name, transform, frame, active,
                                                 [&](std::size_t vertex) { return visible_fraction[vertex]; }));
   if (guard.empty()) return;
-  for (int word = 0; word < 4; ++word) {
-    grids.push_back(make_grid<openvdb::Int32Grid>(guard_name(word), transform, frame, active, [&](std::size_t vertex) {
-      return std::bit_cast<std::int32_t>(guard[vertex].words[std::size_t(word)]);
-    }));
+  for (int half = 0; half < 2; ++half) {
+    const auto grid = make_grid<Vec3fGrid>(guard_name(half), transform, frame, active, [&](std::size_t vertex) {
+      const auto floats = floats_from_guard(guard[vertex]);
+      return openvdb::Vec3s(floats.data() + 3 * half);
+    });
+    grid->setVectorType(openvdb::VEC_INVARIANT);
+    grids.push_back(grid);
   }
 }
 

@@ -140,7 +140,7 @@ TEST(VdbFile, InfoTellsWhatItHolds) {
                                     [](float fraction) { return fraction > 0; });
   EXPECT_EQ(std::get<std::int64_t>(info.at("active_vertices")), active);
   const auto& grids = std::get<std::string>(info.at("grids"));
-  for (const char* expected : {"I_px_r", "I_mz_b", "visible_fraction", "variance", "guard_3"})
+  for (const char* expected : {"I_px_r", "I_mz_b", "visible_fraction", "variance", "guard_1"})
     EXPECT_NE(grids.find(expected), std::string::npos) << expected;
 }
 

@@ -89,7 +89,7 @@ void add_bake_grid_command(CLI::App& bake, CommonOptions& common) {
       ->add_option_function<std::string>(
           "--photon-range",
           [&params](const std::string& text) { params.photon_range = parse_range("--photon-range", text); },
-          "Trace photons A to B-1 of --photons only and write their sums, a part for 'ivory merge'")
+          "Trace photons A to B-1 of --photons only and write their sums, a part\nfor 'ivory merge'")
       ->type_name("A:B");
   add_count_option(*command, "--seed", options->seed, "Seed of the random numbers");
   command
@@ -106,14 +106,14 @@ void add_bake_grid_command(CLI::App& bake, CommonOptions& common) {
       ->capture_default_str();
   command
       ->add_option("--estimator", options->estimator,
-                   "How photons count: by the length of their path in a cell (track), or by faces crossed, divided by "
-                   "the cosine (face) or as published (face_paper); the face estimators fill basis vectors only")
+                   "How photons count: by the length of their path in a cell (track), by the faces they cross,\n"
+                   "divided by the cosine (face), or as published (face_paper); both fill basis vectors only")
       ->check(CLI::IsMember({"track", "face", "face_paper"}))
       ->capture_default_str();
   command
       ->add_option("--guard", options->guard,
-                   "Leak guard: rays and planes count only light that a vertex sees and store its compact guard; off "
-                   "does neither")
+                   "Leak guard: rays and planes count only light that a vertex sees and store its\n"
+                   "compact guard; off does neither")
       ->check(CLI::IsMember({"rays", "planes", "off"}))
       ->capture_default_str();
   command->footer(

@@ -222,6 +222,12 @@ std::function<void(std::uint64_t, std::uint64_t)> Progress::callback() {
   return [this](std::uint64_t done, std::uint64_t total) { update(done, total); };
 }
 
+double shortest(float value) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return parse_number<double>(std::string_view(text.data(), std::size_t(end - text.data()))).value_or(double(value));
+}
+
 std::string format_count(double count) {
   const std::array<std::pair<double, const char*>, 3> units{{{1e9, " G"}, {1e6, " M"}, {1e3, " k"}}};
   for (const auto& [unit, suffix] : units) {

@@ -94,6 +94,9 @@ class Progress {
   std::mutex mutex_;
 };
 
+// The double that prints as the float does: 0.1, not 0.10000000149011612.
+double shortest(float value);
+
 // "1.20 M", "850 k", "12": three significant digits.
 std::string format_count(double count);
 // "0:43", "1:02:03".

@@ -3,6 +3,7 @@
 #include <cctype>
 #include <filesystem>
 #include <memory>
+#include <sstream>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -28,8 +29,26 @@ Json json_of(const Metadata& metadata) {
   return json;
 }
 
-Json vector_json(const V3f& v) { return {v.x, v.y, v.z}; }
-Json vector_json(const Rgb& c) { return {c.x, c.y, c.z}; }
+template <typename Vector>
+Json vector_json(const Vector& v) {
+  return {shortest(v.x), shortest(v.y), shortest(v.z)};
+}
+
+// Vectors and lists come as text from the file.
+Json vdb_json(const std::string& path) {
+  Json json = json_of(read_vdb_info(path));
+  for (auto& [key, value] : json.items()) {
+    if (key == "size" || key == "origin_m" || key == "spacing_m" || key.starts_with("axis_")) {
+      Json list = Json::parse(value.get<std::string>(), nullptr, /*allow_exceptions=*/false);
+      if (list.is_array()) value = std::move(list);
+    }
+  }
+  Json names = Json::array();
+  std::istringstream list(json["grids"].get<std::string>());
+  for (std::string name; list >> name;) names.push_back(name);
+  json["grids"] = std::move(names);
+  return json;
+}
 
 Json scene_json(const std::string& path, const CommonOptions& common) {
   // The warnings are part of the result here.
@@ -88,7 +107,7 @@ void run_info(const std::string& path, const CommonOptions& common) {
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   Json json{{"file", path}};
   if (extension == ".vdb") {
-    json.update(json_of(read_vdb_info(path)));
+    json.update(vdb_json(path));
   } else if (is_scene_name(path)) {
     json.update(scene_json(path, common));
   } else {
@@ -99,6 +118,8 @@ void run_info(const std::string& path, const CommonOptions& common) {
   for (const auto& [key, value] : json.items()) {
     if (key == "warnings") {
       for (const Json& warning : value) text += fmt::format("{:<20} {}\n", "warning", text_of(warning));
+    } else if (value.is_array() && value.size() > 60) {
+      text += fmt::format("{:<20} {} of them; --json lists all\n", key, value.size());
     } else {
       text += fmt::format("{:<20} {}\n", key, text_of(value));
     }

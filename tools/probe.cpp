@@ -180,7 +180,7 @@ void add_probe_command(CLI::App& app, CommonOptions& common) {
       ->group(grids);
   command
       ->add_option("--guard", options->guard,
-                   "What keeps leaks out: rays [with --scene], the stored planes [where there are any], off")
+                   "What keeps leaks out: rays [with --scene], the stored planes\n[where there are any], off")
       ->check(CLI::IsMember({"rays", "planes", "off"}))
       ->group(grids);
   command->add_option("--interpolation", options->interpolation, "Between vertices")
