@@ -223,6 +223,10 @@ std::vector<std::uint32_t> read_indices(const Document& document, int index, con
                   element_bytes(accessor), places.size(), values.data());
     for (std::size_t i = 0; i < places.size(); ++i) result[places[i]] = values[i];
   }
+  // glTF 2.0, section 3.7.2.1: the largest value would restart a primitive.
+  const std::uint32_t restart = 0xFFFFFFFFU >> (32 - 8 * component_bytes(type));
+  if (std::find(result.begin(), result.end(), restart) != result.end())
+    document.fail(fmt::format("{} (accessors[{}]) holds the primitive restart value {}", what, index, restart), remedy);
   return result;
 }
 

@@ -99,6 +99,9 @@ void read_buffers(Document& document) {
       bytes = glb_data;
     }
     if (bytes.empty() && !buffer.contains("uri")) {
+      // Filled by an extension, or never; whoever needs it says so. The first of a GLB has no excuse.
+      if (index == 0 && document.is_glb && find_extension(buffer, "EXT_meshopt_compression") == nullptr)
+        document.fail(what + " should be the binary chunk, which the GLB lacks", remedy);
       document.buffers.emplace_back();
       continue;
     }

@@ -141,10 +141,11 @@ std::string percent_decoded(const std::string& uri) {
 std::vector<std::uint8_t> decode_data_uri(const Document& document, const std::string& uri, const std::string& what) {
   const char* const remedy = "export the file again";
   const std::size_t comma = uri.find(',');
-  constexpr std::string_view base64 = ";base64";
-  if (comma == std::string::npos || comma < base64.size() ||
-      uri.compare(comma - base64.size(), base64.size(), base64) != 0)
-    document.fail(what + " has a data URI that is not base64", remedy);
+  if (comma == std::string::npos) document.fail(what + " has a data URI without data", remedy);
+  if (!std::string_view(uri).substr(0, comma).ends_with(";base64")) {
+    const std::string plain = percent_decoded(uri.substr(comma + 1));
+    return {plain.begin(), plain.end()};
+  }
   std::size_t digits = uri.size() - comma - 1;
   while (digits > 0 && uri[comma + digits] == '=') --digits;
   // tinygltf counts in int and stops silently at the first foreign character.
@@ -177,9 +178,9 @@ void read_json(Document& document) {
 
   document.storage.push_back(std::move(file));
   const std::span<const std::uint8_t> bytes = document.storage.front();
-  const bool glb = bytes.size() >= 4 && read_u32(bytes, 0) == glb_magic;
+  document.is_glb = bytes.size() >= 4 && read_u32(bytes, 0) == glb_magic;
   GlbChunks chunks{bytes, {}};
-  if (glb) chunks = split_glb(document, bytes);
+  if (document.is_glb) chunks = split_glb(document, bytes);
   document.json = std::make_unique<json>(parse(document, chunks.json));
   document.buffers.push_back(chunks.bin);
 }

@@ -19,6 +19,7 @@ struct Document {
   Document& operator=(const Document&) = delete;
 
   std::string path;
+  bool is_glb = false;
   // Checked by check_schema(): every property that ivory reads has its type and range, every index
   // its target. Extensions, images and buffers are read from here; the rest from `model`.
   std::unique_ptr<nlohmann::json> json;

@@ -111,10 +111,7 @@ void load_images(Document& document, const std::vector<char>& material_used, Sce
     if (used[i] == 0) continue;
     const json& image = (*images)[i];
     const std::string what = label("images", i, image.value("name", std::string()));
-    const bool has_view = image.contains("bufferView");
-    if (has_view == image.contains("uri"))
-      document.fail(what + " must have either a uri or a bufferView", "export the file again");
-    if (has_view) {
+    if (image.contains("bufferView")) {
       sources[i] = document.views[image["bufferView"].get<std::size_t>()];
     } else {
       files[i] = read_uri(document, image["uri"].get_ref<const std::string&>(), what);

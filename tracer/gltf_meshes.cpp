@@ -120,6 +120,11 @@ void read_triangles(Document& document, const Attributes& attributes, int mode, 
 void apply_morph_targets(Document& document, const Attributes& attributes, const std::vector<double>& weights,
                          Mesh& mesh) {
   const auto& targets = attributes.primitive.targets;
+  for (std::size_t t = 0; t < targets.size(); ++t)
+    for (const auto& [name, accessor] : targets[t])
+      if (document.model.accessors[std::size_t(accessor)].count != mesh.positions.size())
+        document.fail(fmt::format("{} has {} of target {} for another number of vertices", attributes.what, name, t),
+                      remedy);
   for (std::size_t t = 0; t < targets.size() && t < weights.size(); ++t) {
     const float weight = float(weights[t]);
     if (weight == 0) continue;
@@ -128,7 +133,6 @@ void apply_morph_targets(Document& document, const Attributes& attributes, const
       if (found == targets[t].end() || base.empty()) return;
       const std::vector<V3f> delta =
           read_vec3(document, found->second, fmt::format("{} target {} {}", attributes.what, t, name));
-      check_count(attributes, delta.size(), base.size(), fmt::format("target {} {}", t, name));
       for (std::size_t i = 0; i < delta.size(); ++i) {
         base[i].x += weight * delta[i].x;
         base[i].y += weight * delta[i].y;

@@ -292,12 +292,9 @@ class Placer {
     } else if (type == "directional") {
       scene_.lights.emplace_back(DirectionalLight{direction, strength});
     } else if (type == "spot") {
-      if (!light.contains("spot")) document_.fail(what + " is a spot light without spot", remedy);
       SpotLight spot{position, direction, strength};
       spot.inner_angle_rad = light["spot"].value("innerConeAngle", 0.0F);
       spot.outer_angle_rad = light["spot"].value("outerConeAngle", pi / 4);
-      if (!(spot.inner_angle_rad < spot.outer_angle_rad))
-        document_.fail(what + " has an inner cone that is not smaller than its outer cone", remedy);
       scene_.lights.emplace_back(spot);
     } else {
       document_.warn(what + " is of unknown type '" + type + "' and left out");
@@ -316,6 +313,9 @@ class Placer {
 
 void place_nodes(Document& document, const MeshSet& meshes, Scene& scene) {
   const std::vector<int> parents = find_parents(document);
+  // Of all nodes, so that a broken one is found even where this scene does not use it.
+  std::vector<M44d> locals;
+  for (std::size_t i = 0; i < parents.size(); ++i) locals.push_back(local_matrix(document, i));
   struct Open {
     std::size_t node;
     M44d parent_world;
@@ -328,7 +328,7 @@ void place_nodes(Document& document, const MeshSet& meshes, Scene& scene) {
   while (!open.empty()) {
     const Open current = open.back();
     open.pop_back();
-    const M44d world = local_matrix(document, current.node) * current.parent_world;
+    const M44d world = locals[current.node] * current.parent_world;
     const json* visibility = find_extension(element(document, "nodes", current.node), "KHR_node_visibility");
     const bool visible = current.visible && (visibility == nullptr || visibility->value("visible", true));
     placer.place(current.node, world, visible);

@@ -23,6 +23,7 @@ enum class Kind {
   index,
   indices,
   index_map,
+  index_maps,
   object,
   objects,
   one_of,
@@ -179,7 +180,7 @@ constexpr Field primitive[] = {
     {.name = "indices", .kind = Kind::index, .target = "accessors"},
     {.name = "material", .kind = Kind::index, .target = "materials"},
     {"mode", Kind::integer, optional, 0, 6},
-    {.name = "targets", .kind = Kind::objects},
+    {.name = "targets", .kind = Kind::index_maps, .target = "accessors"},
     {.name = "extensions", .kind = Kind::object, .schema = primitive_extensions},
 };
 constexpr Field mesh[] = {
@@ -365,8 +366,11 @@ class Checker {
         for (std::size_t i = 0; i < value.size(); ++i) index(value[i], field.target, Place{&place, nullptr, i});
         break;
       case Kind::index_map:
-        if (!value.is_object()) wrong_type(place, "an object");
-        for (auto& [key, entry] : value.items()) index(entry, field.target, Place{&place, key.c_str()});
+        index_map(value, field.target, place);
+        break;
+      case Kind::index_maps:
+        array(value, place);
+        for (std::size_t i = 0; i < value.size(); ++i) index_map(value[i], field.target, Place{&place, nullptr, i});
         break;
       case Kind::object:
         object(value, field.schema, place);
@@ -413,6 +417,11 @@ class Checker {
                          ? fmt::format("{} is {}, out of range", place.text(), x)
                          : fmt::format("{} points to {}[{}], which does not exist", place.text(), target, x),
                      remedy);
+  }
+
+  void index_map(json& value, const char* target, const Place& place) const {
+    if (!value.is_object()) wrong_type(place, "an object");
+    for (auto& [key, entry] : value.items()) index(entry, target, Place{&place, key.c_str()});
   }
 
   std::size_t array_size(std::string_view target) const {
@@ -468,10 +477,70 @@ bool contains(std::span<const std::string_view> list, std::string_view name) {
   return false;
 }
 
+// Names of all extensions that objects of the file carry.
+void collect_extensions(const json& value, std::set<std::string>& names) {
+  if (value.is_object()) {
+    const auto extensions = value.find("extensions");
+    if (extensions != value.end() && extensions->is_object())
+      for (const auto& [name, extension] : extensions->items()) names.insert(name);
+    for (const auto& [key, child] : value.items())
+      if (child.is_structured() && key != "extras") collect_extensions(child, names);
+  } else {
+    for (const json& child : value)
+      if (child.is_structured()) collect_extensions(child, names);
+  }
+}
+
+// What no table of single properties can say.
+void check_pairs(const Document& document) {
+  constexpr const char* remedy = "export the file again, or check it with the Khronos glTF validator";
+  const json& root_object = *document.json;
+  const json none = json::array();
+  const auto list = [&](const char* name) -> const json& {
+    const auto found = root_object.find(name);
+    return found == root_object.end() ? none : *found;
+  };
+  std::size_t index = 0;
+  for (const json& entry : list("images")) {
+    if (entry.contains("uri") == entry.contains("bufferView"))
+      document.fail(fmt::format("images[{}] must have either a uri or a bufferView", index), remedy);
+    ++index;
+  }
+  index = 0;
+  for (const json& entry : list("bufferViews")) {
+    const int stride = entry.value("byteStride", 4);
+    if (stride % 4 != 0)
+      document.fail(fmt::format("bufferViews[{}].byteStride is {}, not a multiple of 4", index, stride), remedy);
+    ++index;
+  }
+  index = 0;
+  for (const json& entry : list("cameras")) {
+    const std::string type = entry["type"];
+    if (!entry.contains(type)) document.fail(fmt::format("cameras[{}] has no {}", index, type), remedy);
+    const json& projection = entry[type];
+    if (projection.contains("zfar") && projection["zfar"].get<double>() <= projection["znear"].get<double>())
+      document.fail(fmt::format("cameras[{}] has zfar before znear", index), remedy);
+    ++index;
+  }
+  index = 0;
+  const json* extension = find_extension(root_object, "KHR_lights_punctual");
+  for (const json& entry : extension == nullptr ? none : (*extension)["lights"]) {
+    if (entry["type"] == "spot") {
+      if (!entry.contains("spot")) document.fail(fmt::format("lights[{}] is a spot light without spot", index), remedy);
+      const json& spot_entry = entry["spot"];
+      if (!(spot_entry.value("innerConeAngle", 0.0) < spot_entry.value("outerConeAngle", 0.7853981633974483)))
+        document.fail(fmt::format("lights[{}] has an inner cone that is not smaller than its outer cone", index),
+                      remedy);
+    }
+    ++index;
+  }
+}
+
 }  // namespace
 
 void check_schema(Document& document) {
   Checker(document).object(*document.json, root, Place{});
+  check_pairs(document);
 
   const std::string version = (*document.json)["asset"]["version"];
   const json& info = (*document.json)["asset"];
@@ -489,17 +558,21 @@ void check_schema(Document& document) {
 
 void check_extensions(Document& document) {
   const json& root_object = *document.json;
+  std::set<std::string> declared;
+  for (const json& name : root_object.value("extensionsUsed", json::array())) declared.insert(name.get<std::string>());
   for (const json& name : root_object.value("extensionsRequired", json::array())) {
     if (!contains(understood, name.get<std::string>()) && !contains(harmless, name.get<std::string>()))
       document.fail("needs the extension " + name.get<std::string>() + ", which ivory does not know",
                     "export the file without it");
+    declared.insert(name.get<std::string>());
   }
-  std::set<std::string> ignored;
-  for (const json& name : root_object.value("extensionsUsed", json::array())) {
-    if (!contains(understood, name.get<std::string>()) && !contains(harmless, name.get<std::string>()))
-      ignored.insert(name);
-  }
-  for (const std::string& name : ignored) document.warn("extension " + name + " is ignored");
+  std::set<std::string> present;
+  collect_extensions(root_object, present);
+  for (const std::string& name : present)
+    if (!declared.contains(name)) document.warn("extension " + name + " is used but not declared");
+  present.insert(declared.begin(), declared.end());
+  for (const std::string& name : present)
+    if (!contains(understood, name) && !contains(harmless, name)) document.warn("extension " + name + " is ignored");
 }
 
 }  // namespace ivory::gltf
