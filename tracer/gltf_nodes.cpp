@@ -46,7 +46,9 @@ Imath::Quatd checked_rotation(Document& document, const std::string& what, doubl
 
 M44d local_matrix(Document& document, std::size_t index) {
   const tinygltf::Node& node = document.model.nodes[index];
-  const bool has_trs = !node.translation.empty() || !node.rotation.empty() || !node.scale.empty();
+  // tinygltf drops the three where there is a matrix.
+  const json& source = element(document, "nodes", index);
+  const bool has_trs = source.contains("translation") || source.contains("rotation") || source.contains("scale");
   M44d matrix;
   if (!node.matrix.empty()) {
     if (has_trs)

@@ -28,6 +28,9 @@ const std::array<float, 256> linear_table = make_linear_table();
 // Texel coordinates stay exact integers in float, and far uv of a tiled floor stay finite.
 constexpr float max_texel = 8388608;
 
+// Not a number becomes the lower end, by the order of the arguments.
+float limited(float x) { return std::max(-max_texel, std::min(x, max_texel)); }
+
 // Texel index of an unbounded one.
 int wrap_index(int i, int size, Wrap wrap) {
   switch (wrap) {
@@ -59,8 +62,8 @@ V4f sample(const Scene& scene, const TextureUse& use, const V2f& uv, bool srgb) 
   const auto& table = srgb ? srgb_table : linear_table;
 
   // (0,0) is the upper left corner of the first texel, whose centre lies at half a texel.
-  const float x = std::clamp(uv.x * float(image.width), -max_texel, max_texel);
-  const float y = std::clamp(uv.y * float(image.height), -max_texel, max_texel);
+  const float x = limited(uv.x * float(image.width));
+  const float y = limited(uv.y * float(image.height));
   if (texture.nearest)
     return texel(image, wrap_index(int(std::floor(x)), image.width, texture.wrap_s),
                  wrap_index(int(std::floor(y)), image.height, texture.wrap_t), table);
