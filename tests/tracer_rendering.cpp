@@ -346,25 +346,33 @@ TEST(FinalGather, GatherAddsOneBounceToDirect) {
   }
 }
 
-// Two perfect mirrors and a lamp: the reflected image of what they see is shaded like the thing itself.
-TEST(FinalGather, MirrorsShowTheGridLitRoom) {
-  Scene scene;
-  Material mirror;
-  mirror.roughness = 0;
-  scene.materials.push_back(mirror);
-  const int grey = add_lambert(scene, Rgb(0.5F, 0.5F, 0.5F));
-  add_mesh(scene, make_quad({-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, 0));      // mirror floor, looks up
-  add_mesh(scene, make_quad({-2, -2, -1}, {4, 0, 0}, {0, 4, 0}, grey));  // wall behind, looks to +z
-  const Lit lit(std::move(scene));
-  const IrradianceGrid grid = uniform_grid(2);
-  GridLight light;
-  light.grid = &grid;
-  light.guard = Guard::off;
-  const Ray ray = ray_to({0, 0.5F, 0.5F}, {0, 0, -0.2F});
-  const Accumulator l = collect(
-      20000, [&](RandomStream& random) { return trace_gather(lit.intersector, lit.lights, light, ray, {}, random); });
-  // albedo/pi * pi L; alpha is clamped to 1e-3, whose tail misses the wall by less than 1e-3.
-  EXPECT_NEAR(l.mean(), 0.5 * 2, 2e-3);
+// A smooth floor, of metal or black plastic, shows a wall that the grid lights evenly: Fresnel's share of it.
+TEST(FinalGather, ReflectionsShowTheGridLitRoom) {
+  for (const bool metal : {true, false}) {
+    Scene scene;
+    Material smooth;
+    smooth.roughness = 0;
+    smooth.metallic = metal ? 1.0F : 0.0F;
+    if (!metal) smooth.base_color = Rgb(0, 0, 0);
+    scene.materials.push_back(smooth);
+    const int grey = add_lambert(scene, Rgb(0.5F, 0.5F, 0.5F));
+    add_mesh(scene, make_quad({-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, 0));      // floor, looks up
+    add_mesh(scene, make_quad({-2, -2, -1}, {4, 0, 0}, {0, 4, 0}, grey));  // wall behind, looks to +z
+    const Lit lit(std::move(scene));
+    const IrradianceGrid grid = uniform_grid(2);
+    GridLight light;
+    light.grid = &grid;
+    light.guard = Guard::off;
+    const Ray ray = ray_to({0, 0.5F, 0.5F}, {0, 0, -0.2F});
+    const Accumulator l = collect(100000, [&](RandomStream& random) {
+      return trace_gather(lit.intersector, lit.lights, light, ray, {}, random);
+    });
+    const double f0 = metal ? 1 : 0.04;
+    const double fresnel = f0 + (1 - f0) * std::pow(1 + double(ray.direction.y), 5);
+    // albedo/pi * pi L. alpha is clamped to 1e-3, whose tail misses the wall by less than 1e-3.
+    const double truth = fresnel * 0.5 * 2;
+    EXPECT_NEAR(l.mean(), truth, z_limit * l.standard_error() + 2e-3 * truth) << metal;
+  }
 }
 
 TEST(Probe, ClosedForms) {
