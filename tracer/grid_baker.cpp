@@ -170,15 +170,7 @@ GridSums bake_grid_sums(const Intersector& intersector, const Lights& lights, co
   result.metadata = describe(scene, params, photons, layout);
   result.metadata["ledger_unit_lm"] = tracer.ledger_unit_lm();
 
-  // From [slot][vertex][lane], which suits the depositors, to [vertex][slot][lane].
-  const auto lanes = std::size_t(layout.lanes());
-  const std::size_t vertices = frame.vertex_count();
-  result.sums.resize(target.sums.size());
-  tbb::parallel_for(std::size_t(0), vertices, [&](std::size_t v) {
-    for (std::size_t slot = 0; slot < std::size_t(layout.slots); ++slot)
-      std::copy_n(target.sums.begin() + std::ptrdiff_t((slot * vertices + v) * lanes), lanes,
-                  result.sums.begin() + std::ptrdiff_t(v * lanes * std::size_t(layout.slots) + slot * lanes));
-  });
+  result.sums = sums_by_vertex(target);
   return result;
 }
 

@@ -12,11 +12,11 @@
 namespace ivory {
 
 struct GridBakeParams {
-  std::optional<GridFrame> frame;     // places the grid by hand; none: default_frame()
-  std::optional<V3i> resolution;      // vertices per axis, each at least 2
-  std::optional<float> voxel_size_m;  // cubic voxels; neither given: 32 along the longest side
-  std::uint64_t photons = 0;          // of the whole bake; 0: 256 a vertex, at least a million
-  std::optional<std::pair<std::uint64_t, std::uint64_t>> photon_range;  // half-open; none: all
+  std::optional<GridFrame> frame = std::nullopt;     // places the grid by hand; none: default_frame()
+  std::optional<V3i> resolution = std::nullopt;      // vertices per axis, each at least 2
+  std::optional<float> voxel_size_m = std::nullopt;  // cubic voxels; neither given: 32 along the longest side
+  std::uint64_t photons = 0;                         // of the whole bake; 0: 256 a vertex, at least a million
+  std::optional<std::pair<std::uint64_t, std::uint64_t>> photon_range = std::nullopt;  // half-open; none: all
   int max_bounces = 1000;
   Basis basis = Basis::vectors;
   Estimator estimator = Estimator::track;

@@ -96,6 +96,25 @@ RayContext make_context(const Ray& ray) {
   return context;
 }
 
+RTCRayHit make_query(const Ray& ray) {
+  RTCRayHit query{};
+  query.ray = {ray.origin.x,
+               ray.origin.y,
+               ray.origin.z,
+               ray.t_min,
+               ray.direction.x,
+               ray.direction.y,
+               ray.direction.z,
+               0,
+               ray.t_max,
+               ~0U,
+               0,
+               0};
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  return query;
+}
+
 [[noreturn]] void throw_embree(const std::string& scene_name, const std::string& cause) {
   throw Error(scene_name, "Embree cannot build the scene (" + cause + ")", "simplify the scene or free memory");
 }
@@ -117,6 +136,7 @@ struct Intersector::State {
   std::vector<GeometryRecord> records;       // [instance], which is also the top-level geometry id
   std::vector<GeometryRecord> mesh_records;  // [mesh], for geometry inside instances
   std::vector<M33f> normal_to_world;         // [instance]: inverse transpose
+  bool has_coverage = false;
   V3f center{0, 0, 0};
   float radius_m = 0;
 
@@ -189,6 +209,7 @@ Intersector::Intersector(const Scene& scene) : state_(std::make_unique<State>())
     const auto m = std::size_t(instance.mesh);
     const Mesh& mesh = scene.meshes[m];
     s.records[i] = s.record_of(instance.mesh);
+    s.has_coverage = s.has_coverage || s.records[i].has_coverage;
 
     const M44f& to_world = instance.to_world;
     const M33f linear(to_world[0][0], to_world[0][1], to_world[0][2], to_world[1][0], to_world[1][1], to_world[1][2],
@@ -241,8 +262,20 @@ Intersector::Intersector(Intersector&&) noexcept = default;
 Intersector& Intersector::operator=(Intersector&&) noexcept = default;
 
 const Scene& Intersector::scene() const { return *state_->scene; }
+bool Intersector::has_coverage() const { return state_->has_coverage; }
 V3f Intersector::center() const { return state_->center; }
 float Intersector::radius_m() const { return state_->radius_m; }
+
+std::uint64_t Intersector::count_hits(std::span<const Ray> rays) const {
+  std::uint64_t hits = 0;
+  for (const Ray& ray : rays) {
+    RayContext context = make_context(ray);
+    RTCRayHit query = make_query(ray);
+    rtcIntersect1(state_->top, &context.embree, &query);
+    if (query.hit.geomID != RTC_INVALID_GEOMETRY_ID) ++hits;
+  }
+  return hits;
+}
 
 std::optional<Hit> Intersector::closest(const Ray& ray) const {
   RayContext context = make_context(ray);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 
 #include "tracer/scene.h"
 
@@ -40,6 +41,8 @@ class Intersector {
   Intersector& operator=(Intersector&&) noexcept;
 
   const Scene& scene() const;
+  // Does any surface have MASK or BLEND coverage? Only then do rays need a coverage seed.
+  bool has_coverage() const;
 
   // First surface along the ray, BLEND surfaces being there with probability alpha.
   std::optional<Hit> closest(const Ray& ray) const;
@@ -51,6 +54,10 @@ class Intersector {
   // For each of the first `count` (at most 8) targets: is the open segment from `origin` free of
   // surfaces? Bit i of the answer. BLEND surfaces with alpha below one half do not block.
   std::uint32_t visible(const V3f& origin, const std::array<V3f, 8>& targets, int count) const;
+
+  // Bare Embree closest-hit queries on `rays`, one by one, nothing made of the hits: the rate that
+  // everything else is measured against. Returns how many rays hit.
+  std::uint64_t count_hits(std::span<const Ray> rays) const;
 
   // Sphere around everything: centre and radius (m), never zero for a scene with triangles.
   V3f center() const;

@@ -63,7 +63,7 @@ void PhotonTracer::trace(std::uint64_t begin, std::uint64_t end, std::vector<Pho
     if (is_black(power)) continue;
 
     for (int bounce = 0;; ++bounce) {
-      ray.coverage_seed = random.next_u32();
+      if (intersector_.has_coverage()) ray.coverage_seed = random.next_u32();
       const float jitter = random.next();
       const std::optional<Hit> hit = intersector_.closest(ray);
       ++ledger.rays;
@@ -83,7 +83,8 @@ void PhotonTracer::trace(std::uint64_t begin, std::uint64_t end, std::vector<Pho
       const Surface surface = make_surface(scene, ray, *hit);
       const Bsdf bsdf = make_bsdf(surface);
       const V3f wo = -ray.direction;
-      const float u_lobe = random.next();
+      const bool lambertian = is_black(bsdf.f0) && is_black(bsdf.f90);
+      const float u_lobe = lambertian ? 0.0F : random.next();
       const float u_survive = random.next();
       const std::optional<BsdfSample> scattered = sample(bsdf, wo, u_lobe, random.next2());
       if (!scattered) {

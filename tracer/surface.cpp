@@ -26,6 +26,11 @@ struct Location {
   V2f uv(const TextureUse& use) const { return uv_at(mesh, triangle, barycentric, use); }
 };
 
+// The texel under a location; white where no texture is used, without a trip to the sampler.
+V4f texel_at(const Scene& scene, const Location& at, const TextureUse& use, bool srgb) {
+  return use.texture == no_index ? V4f(1, 1, 1, 1) : sample(scene, use, at.uv(use), srgb);
+}
+
 Location locate(const Scene& scene, int instance, int triangle, const V2f& barycentric) {
   const Instance& placed = scene.instances[std::size_t(instance)];
   const Mesh& mesh = scene.meshes[std::size_t(placed.mesh)];
@@ -51,9 +56,15 @@ V3f transform_direction(const V3f& d, const M44f& m) {
   return out;
 }
 
+// The inverse transpose is the cofactor matrix over the determinant; only the latter's sign matters to a
+// vector that is normalised afterwards.
 V3f transform_normal(const V3f& n, const M44f& m) {
-  const M33f linear(m[0][0], m[0][1], m[0][2], m[1][0], m[1][1], m[1][2], m[2][0], m[2][1], m[2][2]);
-  return n * linear.inverse().transposed();
+  const V3f x(m[0][0], m[0][1], m[0][2]);
+  const V3f y(m[1][0], m[1][1], m[1][2]);
+  const V3f z(m[2][0], m[2][1], m[2][2]);
+  const V3f yz = y.cross(z);
+  const V3f out = yz * n.x + z.cross(x) * n.y + x.cross(y) * n.z;
+  return x.dot(yz) < 0 ? -out : out;
 }
 
 V3f shading_normal(const Scene& scene, const Location& at, const V3f& front_ng) {
@@ -84,12 +95,11 @@ V3f shading_normal(const Scene& scene, const Location& at, const V3f& front_ng) 
 // metal F0 = base colour, F90 = 1, no diffuse; mixed by metallic.
 void set_metallic_roughness(const Scene& scene, const Location& at, const Rgb& base, Surface& surface) {
   const Material& m = at.material;
-  const V4f texel = sample(scene, m.metallic_roughness_texture, at.uv(m.metallic_roughness_texture), false);
+  const V4f texel = texel_at(scene, at, m.metallic_roughness_texture, false);
   const float metallic = std::clamp(m.metallic * texel.z, 0.0F, 1.0F);
   const float roughness = std::clamp(m.roughness * texel.y, 0.0F, 1.0F);
-  const float specular = m.specular * sample(scene, m.specular_texture, at.uv(m.specular_texture), false).w;
-  const Rgb specular_color =
-      m.specular_color * rgb(sample(scene, m.specular_color_texture, at.uv(m.specular_color_texture), true));
+  const float specular = m.specular * texel_at(scene, at, m.specular_texture, false).w;
+  const Rgb specular_color = m.specular_color * rgb(texel_at(scene, at, m.specular_color_texture, true));
   const float reflectance = (m.ior - 1) / (m.ior + 1);
   Rgb dielectric_f0 = specular_color * (reflectance * reflectance);
   for (unsigned c = 0; c < 3; ++c) dielectric_f0[c] = std::min(dielectric_f0[c], 1.0F) * specular;
@@ -104,7 +114,7 @@ void set_metallic_roughness(const Scene& scene, const Location& at, const Rgb& b
 // KHR_materials_pbrSpecularGlossiness: diffuse scaled by what the specular colour leaves over.
 void set_specular_glossiness(const Scene& scene, const Location& at, const Rgb& base, Surface& surface) {
   const Material& m = at.material;
-  const V4f texel = sample(scene, m.specular_color_texture, at.uv(m.specular_color_texture), true);
+  const V4f texel = texel_at(scene, at, m.specular_color_texture, true);
   const Rgb f0 = m.specular_color * rgb(texel);
   const float roughness = 1 - std::clamp(m.glossiness * texel.w, 0.0F, 1.0F);
   surface.diffuse_albedo = base * (1 - std::clamp(max_component(f0), 0.0F, 1.0F));
@@ -116,7 +126,7 @@ void set_specular_glossiness(const Scene& scene, const Location& at, const Rgb& 
 Rgb emission(const Scene& scene, const Location& at) {
   const Material& m = at.material;
   if (is_black(m.emission) || m.emission_texture.texture == no_index) return m.emission;
-  return m.emission * rgb(sample(scene, m.emission_texture, at.uv(m.emission_texture), true));
+  return m.emission * rgb(texel_at(scene, at, m.emission_texture, true));
 }
 
 }  // namespace

@@ -1,0 +1,103 @@
+// ivory bench: rates beside their bounds, as ratios measured in one run.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "tools/commands.h"
+#include "tools/common.h"
+#include "tracer/bench_tracer.h"
+#include "tracer/gltf_loader.h"
+
+namespace ivory {
+namespace {
+
+struct BenchOptions {
+  std::vector<std::string> scenes;
+  std::string resolution = "32,32,32";
+  std::uint64_t photons = 400'000;
+  int rounds = 5;
+  std::uint64_t triangles = 250'000;
+};
+
+nlohmann::ordered_json to_json(const std::string& scene, const TracerBench& bench) {
+  nlohmann::ordered_json deposits = nlohmann::ordered_json::array();
+  for (const DepositFigure& d : bench.deposits) {
+    deposits.push_back({{"method", d.name},
+                        {"segments_per_s", d.segments_per_s},
+                        {"relative_variance", d.relative_variance},
+                        {"variance_time_over_free", d.variance_time}});
+  }
+  return {{"scene", scene},
+          {"triangles", bench.triangles},
+          {"segments_per_s", bench.segments_per_s},
+          {"embree_rays_per_s", bench.embree_rays_per_s},
+          {"embree_ratio", bench.embree_ratio},
+          {"undeposited_ratio", bench.undeposited_ratio},
+          {"two_thread_speed_up", bench.two_thread_speed_up},
+          {"deposits", deposits}};
+}
+
+std::string to_text(const std::string& scene, const TracerBench& bench) {
+  std::string text = fmt::format(
+      "{} ({} triangles)\n"
+      "  photon segments traced and deposited  {}/s\n"
+      "  Embree closest hit on the same rays   {}/s\n"
+      "  ratio {:.2f} (without deposit {:.2f}), two threads over one {:.2f}\n",
+      scene, bench.triangles, format_count(bench.segments_per_s), format_count(bench.embree_rays_per_s),
+      bench.embree_ratio, bench.undeposited_ratio, bench.two_thread_speed_up);
+  for (const DepositFigure& d : bench.deposits) {
+    text += fmt::format("  {:<15} {:>8}/s, variance x time {:.2f} of a free deposit\n", d.name,
+                        format_count(d.segments_per_s), d.variance_time);
+  }
+  return text;
+}
+
+void run(const BenchOptions& options, const CommonOptions& common) {
+  TracerBenchParams params;
+  params.resolution = parse_size3("--resolution", options.resolution, 2);
+  params.photons = options.photons;
+  params.rounds = options.rounds;
+  params.threads = thread_count(common);
+
+  std::vector<Scene> scenes;
+  for (const std::string& path : options.scenes) scenes.push_back(load_gltf(path).scene);
+  scenes.push_back(make_bench_scene(options.triangles));
+
+  nlohmann::ordered_json results = nlohmann::ordered_json::array();
+  std::string text;
+  for (const Scene& scene : scenes) {
+    const Intersector intersector(scene);
+    const Lights lights(scene, intersector);
+    const TracerBench bench = bench_tracer(intersector, lights, params);
+    results.push_back(to_json(scene.name, bench));
+    text += to_text(scene.name, bench);
+  }
+  print_result(common, {{"threads", params.threads}, {"scenes", results}}, text);
+}
+
+}  // namespace
+
+void add_bench_command(CLI::App& app, CommonOptions& common) {
+  CLI::App* bench = app.add_subcommand("bench", "Measure rates beside their bounds");
+  bench->require_subcommand(1);
+  CLI::App* tracer = bench->add_subcommand(
+      "tracer",
+      "Photon segments per second beside Embree's closest-hit rate on the very same rays, and variance\n"
+      "times time of each way to deposit them.");
+  auto options = std::make_shared<BenchOptions>();
+  tracer->add_option("SCENES", options->scenes, "glTF files to measure beside the built-in large mesh");
+  tracer->add_option("--resolution", options->resolution, "Grid vertices")->capture_default_str();
+  add_count_option(*tracer, "--photons", options->photons, "Photons a measurement");
+  tracer->add_option("--rounds", options->rounds, "Measurements in turn; medians are reported")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000));
+  add_count_option(*tracer, "--triangles", options->triangles, "Triangles of the built-in mesh");
+  tracer->footer("Example:\n  ivory bench tracer scenes/cornell_box.gltf --json");
+  set_action(*tracer, common, Output::none, [options, &common] { run(*options, common); });
+}
+
+}  // namespace ivory
