@@ -69,6 +69,8 @@ void write_image(const std::string& path, const Film& film, float exposure_stops
   OIIO::ImageSpec spec(film.width, film.height, 3, linear ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8);
   spec.attribute("oiio:ColorSpace", linear ? "linear" : "sRGB");
   if (lower_extension(path) == ".exr") spec.attribute("compression", "zip");
+  // OpenImageIO would store the time of day: the same command is to give the same bytes.
+  spec.attribute("DateTime", "");
   add_metadata(spec, metadata);
 
   std::vector<float> display;
