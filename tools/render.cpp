@@ -135,6 +135,7 @@ void run_render(const RenderOptions& options, const CommonOptions& common) {
     throw UsageError("--method " + options.method + " needs --grid GRID.vdb (see ivory bake grid)");
   if (!options.uses_grid() && !options.grid.empty()) throw UsageError("--grid serves --method direct and gather only");
   check_output(options.output, common);
+  check_image_name(options.output);
   const auto input = load_scene_input(options.scene, options.environment, common);
 
   const auto start = std::chrono::steady_clock::now();

@@ -47,7 +47,19 @@ void add_metadata(OIIO::ImageSpec& spec, const Metadata& metadata) {
   }
 }
 
+// A writer for the format that the name's extension stands for.
+std::unique_ptr<OIIO::ImageOutput> create_output(const std::string& path) {
+  std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(path);
+  if (!output) {
+    OIIO::geterror();  // OpenImageIO prints an unread error when the program ends
+    throw Error(path, "has no extension that names an image format", "end it in .exr or .png");
+  }
+  return output;
+}
+
 }  // namespace
+
+void check_image_name(const std::string& path) { create_output(path); }
 
 bool is_linear_image(const std::string& path) {
   const std::string extension = lower_extension(path);
@@ -60,11 +72,7 @@ bool is_linear_image(const std::string& path) {
 void write_image(const std::string& path, const Film& film, float exposure_stops, const Metadata& metadata,
                  bool force) {
   PendingFile pending(path, force);
-  const std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(pending.temporary());
-  if (!output) {
-    OIIO::geterror();  // OpenImageIO prints an unread error when the program ends
-    throw Error(path, "has no extension that names an image format", "end it in .exr or .png");
-  }
+  const std::unique_ptr<OIIO::ImageOutput> output = create_output(path);
   const bool linear = is_linear_image(path);
   OIIO::ImageSpec spec(film.width, film.height, 3, linear ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8);
   spec.attribute("oiio:ColorSpace", linear ? "linear" : "sRGB");

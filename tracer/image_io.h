@@ -13,6 +13,9 @@ namespace ivory {
 // (.png, .jpg, ...) hold display values.
 bool is_linear_image(const std::string& path);
 
+// Throws Error where the extension names no image format: to be asked before hours of rendering.
+void check_image_name(const std::string& path);
+
 // Writes float linear RGB, or 8-bit sRGB after 2^exposure_stops and tone_map(). Every entry of `metadata`
 // becomes an attribute "ivory:<name>" where the format keeps attributes. Whole or not at all; throws Error where
 // the file exists and not `force`, cannot be written, or its format is unknown.

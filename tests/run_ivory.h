@@ -1,0 +1,31 @@
+// Runs the ivory binary as a shell would.
+#pragma once
+
+#include <array>
+#include <cstdio>
+#include <string>
+
+#include <sys/wait.h>
+
+namespace ivory {
+
+struct RunResult {
+  int exit_code = -1;  // -1: ended by a signal
+  std::string output;  // stdout, or stdout and stderr
+};
+
+// `arguments` are the shell's; stderr is kept too where `with_errors`.
+inline RunResult run_ivory(const std::string& arguments, bool with_errors = true) {
+  RunResult result;
+  const std::string command = std::string(IVORY_BINARY) + " " + arguments + (with_errors ? " 2>&1" : " 2>/dev/null");
+  FILE* pipe = popen(command.c_str(), "r");
+  if (pipe == nullptr) return result;
+  std::array<char, 4096> buffer;
+  for (std::size_t n = 0; (n = fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
+    result.output.append(buffer.data(), n);
+  const int status = pclose(pipe);
+  if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
+  return result;
+}
+
+}  // namespace ivory

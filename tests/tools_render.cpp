@@ -1,0 +1,139 @@
+// ivory render and ivory compare as a script meets them.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/run_ivory.h"
+
+namespace ivory {
+namespace {
+
+namespace fs = std::filesystem;
+
+class RenderCommand : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(IVORY_TEST_DATA_DIR) / testing::UnitTest::GetInstance()->current_test_info()->name();
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+  }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  static std::string scene(const std::string& name) { return std::string(IVORY_SOURCE_DIR) + "/scenes/" + name; }
+
+  fs::path folder_;
+};
+
+std::string bytes_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream bytes;
+  bytes << file.rdbuf();
+  return bytes.str();
+}
+
+int line_count(const std::string& text) { return int(std::count(text.begin(), text.end(), '\n')); }
+
+TEST_F(RenderCommand, FurnaceIsFlatByEveryMethod) {
+  const std::string furnace = scene("furnace_box.gltf");
+  const RunResult bake =
+      run_ivory("bake grid " + furnace + " -o " + path("f.vdb") + " --resolution 4 --photons 1m --threads 2");
+  ASSERT_EQ(bake.exit_code, 0) << bake.output;
+  struct Case {
+    const char* options;
+    double mean;       // nits
+    double tolerance;  // four standard errors of the picture's mean, measured, rounded up
+  };
+  // L_e = 1, albedo 1/2: L = 2, of which rho^2/(1-rho) = 0.5 is indirect.
+  for (const Case& c : {Case{"--method path", 2, 0.01}, Case{"--method path --indirect-only", 0.5, 0.01},
+                        Case{"--method direct --grid ", 2, 0.01}, Case{"--method gather --gather 4 --grid ", 2, 0.01},
+                        Case{"--method gather --indirect-only --grid ", 0.5, 0.01}}) {
+    std::string options = c.options;
+    if (options.back() == ' ') options += path("f.vdb");
+    const RunResult run = run_ivory("render " + furnace + " -o " + path("f.exr") +
+                                        " --force --json --quiet --size 64x48 " + "--samples 16 --threads 2 " + options,
+                                    false);
+    ASSERT_EQ(run.exit_code, 0) << options;
+    const auto result = nlohmann::json::parse(run.output);
+    for (int channel = 0; channel < 3; ++channel)
+      EXPECT_NEAR(result.at("mean_radiance_nits").at(std::size_t(channel)).get<double>(), c.mean, c.tolerance)
+          << options;
+  }
+}
+
+TEST_F(RenderCommand, SameBytesOnAnyNumberOfThreads) {
+  const std::string room = scene("cornell_box.gltf");
+  for (const char* extension : {"exr", "png"}) {
+    const std::string one = path(std::string("one.") + extension);
+    const std::string two = path(std::string("two.") + extension);
+    ASSERT_EQ(run_ivory("render " + room + " --size 40x30 --samples 4 --threads 1 -o " + one).exit_code, 0);
+    ASSERT_EQ(run_ivory("render " + room + " --size 40x30 --samples 4 --threads 2 -o " + two).exit_code, 0);
+    EXPECT_EQ(bytes_of(one), bytes_of(two));
+    EXPECT_FALSE(bytes_of(one).empty());
+  }
+}
+
+TEST_F(RenderCommand, CompareMeasuresNoise) {
+  const std::string room = scene("cornell_box.gltf");
+  ASSERT_EQ(run_ivory("render " + room + " --size 40x30 --samples 4 -o " + path("a.exr")).exit_code, 0);
+  ASSERT_EQ(run_ivory("render " + room + " --size 40x30 --samples 4 --seed 2 -o " + path("b.exr")).exit_code, 0);
+  const auto same = nlohmann::json::parse(run_ivory("compare --json " + path("a.exr") + " " + path("a.exr")).output);
+  EXPECT_EQ(same.at("nrmse"), 0.0);
+  EXPECT_EQ(same.at("max"), 0.0);
+  const auto other = nlohmann::json::parse(run_ivory("compare --json " + path("a.exr") + " " + path("b.exr")).output);
+  EXPECT_GT(other.at("nrmse"), 0.0);
+  EXPECT_LT(other.at("nrmse"), 0.2);
+}
+
+// Each ends in one line and the right exit code, and leaves no file.
+TEST_F(RenderCommand, BadRequestsEndInOneLine) {
+  const std::string room = scene("cornell_box.gltf");
+  const std::string out = " -o " + path("x.exr");
+  ASSERT_EQ(run_ivory("render " + room + " --size 8x8 --samples 1 -o " + path("there.exr")).exit_code, 0);
+  ASSERT_EQ(run_ivory("render " + room + " --size 9x8 --samples 1 -o " + path("other.exr")).exit_code, 0);
+  std::ofstream(path("bad.vdb")) << "nonsense";
+  struct Case {
+    std::string arguments;
+    int exit_code;
+  };
+  for (const Case& c : {
+           Case{"render " + room + out + " --method direct", 2},
+           Case{"render " + room + out + " --method nonsense", 2},
+           Case{"render " + room + out + " --samples 0", 2},
+           Case{"render " + room + out + " --size 0x5", 2},
+           Case{"render " + room + out + " --camera nobody", 2},
+           Case{"render " + room + out + " --grid x.vdb", 2},
+           Case{"render " + room, 2},
+           Case{"render " + room + out + " --method direct --grid " + path("missing.vdb"), 1},
+           Case{"render " + room + out + " --method direct --grid " + path("bad.vdb"), 1},
+           Case{"render " + room + out + " --env " + path("missing.hdr"), 1},
+           Case{"render " + path("missing.gltf") + out, 1},
+           Case{"render " + room + " -o " + path("there.exr"), 1},
+           Case{"render " + room + " -o " + path("x.nonsense") + " --size 4096x4096 --samples 1000", 1},
+
+           Case{"compare " + path("there.exr") + " " + path("other.exr"), 1},
+           Case{"compare " + path("there.exr") + " " + path("missing.exr"), 1},
+       }) {
+    const RunResult run = run_ivory(c.arguments);
+    EXPECT_EQ(run.exit_code, c.exit_code) << c.arguments << "\n" << run.output;
+    EXPECT_EQ(line_count(run.output), 1) << c.arguments << "\n" << run.output;
+    EXPECT_FALSE(fs::exists(path("x.exr"))) << c.arguments;
+  }
+}
+
+TEST_F(RenderCommand, RefusesAGridWithDirectLight) {
+  const std::string furnace = scene("furnace_box.gltf");
+  ASSERT_EQ(
+      run_ivory("bake grid " + furnace + " --direct -o " + path("d.vdb") + " --resolution 3 --photons 10k").exit_code,
+      0);
+  const RunResult run =
+      run_ivory("render " + furnace + " -o " + path("x.exr") + " --method direct --grid " + path("d.vdb"));
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(run.output.find("direct light"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace ivory
