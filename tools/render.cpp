@@ -3,6 +3,8 @@
 #include <chrono>
 #include <limits>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -23,7 +25,7 @@ namespace {
 
 struct RenderOptions {
   std::string scene;
-  std::string output;
+  std::vector<std::string> outputs;  // one picture in several formats
   std::string method = "path";
   std::string grid;
   std::string environment;
@@ -134,38 +136,43 @@ void run_render(const RenderOptions& options, const CommonOptions& common) {
   if (options.uses_grid() && options.grid.empty())
     throw UsageError("--method " + options.method + " needs --grid GRID.vdb (see ivory bake grid)");
   if (!options.uses_grid() && !options.grid.empty()) throw UsageError("--grid serves --method direct and gather only");
-  check_output(options.output, common);
-  check_image_name(options.output);
+  for (const std::string& output : options.outputs) {
+    check_output(output, common);
+    check_image_name(output);
+  }
   const auto input = load_scene_input(options.scene, options.environment, common);
 
   const auto start = std::chrono::steady_clock::now();
   const Film film = render(options, *input, common);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-  Metadata metadata = describe(options, *input);
-  float exposure = options.exposure_stops.value_or(0);
-  if (!is_linear_image(options.output)) {
-    if (!options.exposure_stops) exposure = auto_exposure(film);
-    metadata["exposure_stops"] = double(exposure);
+  const Metadata metadata = describe(options, *input);
+  const bool any_display = !std::all_of(options.outputs.begin(), options.outputs.end(), is_linear_image);
+  const float exposure = options.exposure_stops.value_or(any_display ? auto_exposure(film) : 0);
+  for (const std::string& output : options.outputs) {
+    Metadata own = metadata;
+    if (!is_linear_image(output)) own["exposure_stops"] = double(exposure);
+    write_image(output, film, exposure, own, common.force);
   }
-  write_image(options.output, film, exposure, metadata, common.force);
 
   double mean[3] = {0, 0, 0};
   for (const Rgb& pixel : film.pixels) {
     for (int c = 0; c < 3; ++c) mean[c] += double(pixel[c]) / double(film.pixels.size());
   }
   nlohmann::ordered_json result;
-  result["output"] = options.output;
+  result["output"] = options.outputs.front();
+  result["outputs"] = options.outputs;
   result["width"] = film.width;
   result["height"] = film.height;
   for (const auto& [key, value] : metadata) std::visit([&, &k = key](const auto& v) { result[k] = v; }, value);
+  if (any_display) result["exposure_stops"] = exposure;
   result["mean_radiance_nits"] = {mean[0], mean[1], mean[2]};
   result["seconds"] = seconds;
   result["warnings"] = input->warnings;
-  std::string human =
-      fmt::format("{}: {} x {}, {}, {} samples a pixel, mean {:.4g} {:.4g} {:.4g} nits, {:.2f} s\n", options.output,
-                  film.width, film.height, options.method, options.samples, mean[0], mean[1], mean[2], seconds);
-  if (!is_linear_image(options.output)) human += fmt::format("exposure {:+.2f} stops\n", exposure);
+  std::string human = fmt::format("{}: {} x {}, {}, {} samples a pixel, mean {:.4g} {:.4g} {:.4g} nits, {:.2f} s\n",
+                                  fmt::join(options.outputs, ", "), film.width, film.height, options.method,
+                                  options.samples, mean[0], mean[1], mean[2], seconds);
+  if (any_display) human += fmt::format("exposure {:+.2f} stops\n", exposure);
   print_result(common, result, human);
 }
 
@@ -176,8 +183,9 @@ void add_render_command(CLI::App& app, CommonOptions& common) {
   auto options = std::make_shared<RenderOptions>();
   command->add_option("scene", options->scene, "Scene: .gltf or .glb, metres, +Y up")->required()->type_name("SCENE");
   command
-      ->add_option("-o,--output", options->output,
-                   "Picture to write: .exr, .hdr, .tif keep linear nits; .png, .jpg are tone-mapped")
+      ->add_option("-o,--output", options->outputs,
+                   "Picture to write: .exr, .hdr, .tif keep linear nits; .png, .jpg are tone-mapped; may be repeated")
+      ->allow_extra_args(false)
       ->required()
       ->type_name("IMAGE");
   command
@@ -219,7 +227,7 @@ void add_render_command(CLI::App& app, CommonOptions& common) {
   command->footer(
       "The same command gives the same bytes with any --threads.\n"
       "Examples:\n"
-      "  ivory render room.glb -o room.exr --samples 256\n"
+      "  ivory render room.glb -o room.exr -o room.png --samples 256\n"
       "  ivory render room.glb -o room.png --method gather --grid room.vdb --samples 16 --gather 16");
   set_action(*command, common, Output::file, [options, &common] { run_render(*options, common); });
 }
