@@ -57,15 +57,14 @@ def bunny(path):
     return piece
 
 
-def encloses(piece, p):
-    """Does the closed mesh hold p? A ray upwards then leaves it an odd number of times."""
-    crossings = 0
+def lies_under(piece, p):
+    """Is some triangle straight above p?"""
     for a, b, c in ([piece.positions[i] for i in triangle] for triangle in piece.triangles):
         edges = [(v[0] - u[0]) * (p[2] - u[2]) - (v[2] - u[2]) * (p[0] - u[0]) for u, v in ((b, c), (c, a), (a, b))]
         if all(e > 0 for e in edges) or all(e < 0 for e in edges):
-            height = sum(e * q[1] for e, q in zip(edges, (a, b, c))) / sum(edges)
-            crossings += height > p[1]
-    return crossings % 2 == 1
+            if sum(e * q[1] for e, q in zip(edges, (a, b, c))) / sum(edges) > p[1]:
+                return True
+    return False
 
 
 def main():
@@ -97,11 +96,17 @@ def main():
     def inside(center):
         return all(a <= x <= b for a, x, b in zip(low, center, high))
 
-    everywhere = make_scenes.sample_surface({"room": room["grey"], "bunny": animal["grey"]}, 1200, inside)
-    lit = [(p, n) for p, n in everywhere if p[1] > 0 or max(abs(p[0]), abs(p[2])) > 1 or not encloses(animal["grey"], p)]
-    make_scenes.write_points(options.folder / "bunny_room_points.csv", lit, turn)
-    make_scenes.write_points(options.folder / "bunny_room_bunny_points.csv",
-                             make_scenes.sample_surface(animal, 600, lambda c: c[1] > 0.01), turn)
+    def open_to_light(point):
+        """Leaves out what the bunny stands on, and the hollow under its uneven base."""
+        position, normal = point
+        p = tuple(a + make_scenes.PROBE_OFFSET_M * b for a, b in zip(position, normal))
+        return p[1] > 0.05 or max(abs(p[0]), abs(p[2])) > 1 or not lies_under(animal["grey"], p)
+
+    for name, pieces, count in (("", {"room": room["grey"], "bunny": animal["grey"]}, 1200), ("_bunny", animal, 600)):
+        points = make_scenes.sample_surface(pieces, count, inside)
+        make_scenes.write_points(options.folder / f"bunny_room{name}_points.csv",
+                                 [point for point in points if open_to_light(point)], turn)
+
 
 
 if __name__ == "__main__":
