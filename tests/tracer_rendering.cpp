@@ -244,6 +244,28 @@ TEST(Render, SeedsChangeNoiseNotTheMean) {
   EXPECT_LT(std::abs(difference.mean()), z_limit * difference.standard_error());
 }
 
+// Pictures' means over seeds against independent random numbers all the way.
+TEST(Render, EvenSamplesAreUnbiased) {
+  const Lit lit(small_room());
+  const View view = test_view(8, 6);
+  Accumulator even;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    RenderParams params;
+    params.samples = 16;
+    params.seed = seed;
+    const Film film = render_path(lit.intersector, lit.lights, view, params, {});
+    double mean = 0;
+    for (const Rgb& pixel : film.pixels) mean += double(pixel.y) / double(film.pixels.size());
+    even.add(mean);
+  }
+  const Accumulator independent = collect(200000, [&](RandomStream& random) {
+    Ray ray = make_ray(view, random.next2() * V2f(8, 6));
+    ray.coverage_seed = random.next_u32();
+    return trace_path(lit.intersector, lit.lights, ray, {}, random);
+  });
+  EXPECT_LT(std::abs(z_score(even, independent)), z_limit);
+}
+
 TEST(Render, ReportsProgressToTheEnd) {
   const Lit lit(furnace(0.5F, Rgb(1, 1, 1)));
   RenderParams params;

@@ -1,8 +1,6 @@
 #include "tracer/render.h"
 
-#include <algorithm>
 #include <atomic>
-#include <cmath>
 #include <new>
 
 #include <tbb/blocked_range2d.h>
@@ -15,32 +13,19 @@ namespace ivory {
 
 namespace {
 
-// Samples are laid out on the finest grid of columns x rows that has no more cells than samples, one
-// jittered in each; what is left over falls anywhere.
-struct PixelStrata {
-  int columns = 1;
-  int rows = 1;
-};
+// Random numbers of a sample that are spread evenly over a pixel's samples: position, coverage, the
+// light (which, where on it) and the BSDF sample of the first surface. Beyond those a path's dimensions are
+// too many for the samples to cover.
+constexpr std::uint32_t even_calls = 7;
 
-PixelStrata make_strata(int samples) {
-  PixelStrata strata;
-  strata.columns = std::max(1, int(std::sqrt(double(samples))));
-  strata.rows = std::max(1, samples / strata.columns);
-  return strata;
-}
-
-Rgb render_pixel(const View& view, const RenderParams& params, const PixelStrata& strata,
-                 const RadianceFunction& radiance, int x, int y) {
+Rgb render_pixel(const View& view, const RenderParams& params, const RadianceFunction& radiance, int x, int y) {
   RandomStream random(params.seed, StreamPurpose::pixel,
                       std::uint64_t(y) * std::uint64_t(view.width) + std::uint64_t(x));
   double sum[3] = {0, 0, 0};
+  const std::uint32_t key = random.next_u32();
   for (int i = 0; i < params.samples; ++i) {
-    V2f jitter = random.next2();
-    if (i < strata.columns * strata.rows) {
-      jitter.x = (float(i % strata.columns) + jitter.x) / float(strata.columns);
-      jitter.y = (float(i / strata.columns) + jitter.y) / float(strata.rows);
-    }
-    Ray ray = make_ray(view, V2f(float(x), float(y)) + jitter);
+    random.begin_sample(std::uint32_t(i), key, even_calls);
+    Ray ray = make_ray(view, V2f(float(x), float(y)) + random.next2());
     ray.coverage_seed = random.next_u32();
     const Rgb estimate = radiance(ray, random);
     for (int c = 0; c < 3; ++c) sum[c] += double(estimate[c]);
@@ -61,13 +46,12 @@ Film render_film(const View& view, const RenderParams& params, const RadianceFun
     throw Error("image of " + std::to_string(view.width) + "x" + std::to_string(view.height),
                 "does not fit into memory", "choose a smaller --size");
   }
-  const PixelStrata strata = make_strata(params.samples);
   std::atomic<std::size_t> done{0};
   constexpr int tile = 16;
   const auto render_tile = [&](const tbb::blocked_range2d<int>& range) {
     for (int y = range.rows().begin(); y < range.rows().end(); ++y) {
       for (int x = range.cols().begin(); x < range.cols().end(); ++x)
-        film.at(x, y) = render_pixel(view, params, strata, radiance, x, y);
+        film.at(x, y) = render_pixel(view, params, radiance, x, y);
     }
     const std::size_t finished = done += range.rows().size() * range.cols().size();
     if (params.progress) params.progress(double(finished) / double(film.pixels.size()));

@@ -19,7 +19,7 @@ struct RenderParams {
 // One estimate of the radiance in nits along an eye ray.
 using RadianceFunction = std::function<Rgb(const Ray&, RandomStream&)>;
 
-// Averages `samples` estimates a pixel (box filter, jittered positions). A pixel's random numbers
+// Averages `samples` estimates a pixel (box filter, low-discrepancy positions). A pixel's random numbers
 // depend on the seed and the pixel alone, so the picture does not depend on threads.
 // Throws Error where the picture does not fit into memory.
 Film render_film(const View& view, const RenderParams& params, const RadianceFunction& radiance);

@@ -7,6 +7,7 @@
 #include <cstdint>
 
 #include "grid/types.h"
+#include "tracer/low_discrepancy.h"
 
 namespace ivory {
 
@@ -17,19 +18,38 @@ class RandomStream {
   RandomStream(std::uint64_t seed, StreamPurpose purpose, std::uint64_t index)
       : seed_(seed), index_(index), purpose_(static_cast<std::uint32_t>(purpose)) {}
 
+  // Begins sample number `sample` of an estimate: the next `calls` calls of next_u32(), next() and
+  // next2() return point `sample` of low-discrepancy sequences, one sequence a call, so that samples 0, 1,
+  // 2 ... which make the same calls cover each call's range evenly. Calls after that are independent again.
+  // `key` names the family of sequences; any random number.
+  void begin_sample(std::uint32_t sample, std::uint32_t key, std::uint32_t calls) {
+    sample_ = sample;
+    key_ = key;
+    low_discrepancy_calls_ = calls;
+  }
+
   // 32 uniform bits.
   std::uint32_t next_u32() {
+    if (low_discrepancy_calls_ != 0) return next_point()[0];
     if (used_ == 4) refill();
     return block_[used_++];
   }
   // Uniform in [0, 1), 24 bits.
-  float next() { return static_cast<float>(next_u32() >> 8U) * 0x1p-24F; }
+  float next() { return to_float(next_u32()); }
   V2f next2() {
+    if (low_discrepancy_calls_ != 0) {
+      const std::array<std::uint32_t, 2> point = next_point();
+      return {to_float(point[0]), to_float(point[1])};
+    }
     const float u = next();
     return {u, next()};
   }
 
  private:
+  static float to_float(std::uint32_t bits) { return static_cast<float>(bits >> 8U) * 0x1p-24F; }
+  std::array<std::uint32_t, 2> next_point() {
+    return sobol_point(sample_, key_ + 0x9e3779b9U * low_discrepancy_calls_--);
+  }
   void refill();
 
   std::uint64_t seed_;
@@ -37,6 +57,9 @@ class RandomStream {
   std::uint32_t purpose_;
   std::uint32_t block_count_ = 0;
   std::uint32_t used_ = 4;
+  std::uint32_t sample_ = 0;
+  std::uint32_t key_ = 0;
+  std::uint32_t low_discrepancy_calls_ = 0;
   std::array<std::uint32_t, 4> block_{};
 };
 
