@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 // The track-length estimator. The irradiance vectors at a vertex are taken as the mean over its cell V
@@ -36,6 +37,31 @@ void atomic_add(std::int64_t& target, std::int64_t value) {
 
 // Rounds to the nearest for |value| < 2^24; compiles to vector conversions, which lrint does not.
 std::int32_t rounded(float value) { return static_cast<std::int32_t>(value + std::copysign(0.5F, value)); }
+
+// Adds a step's values to a cell's lanes; true where one of them has come near overflow. Four lanes at a
+// time by hand (GCC and Clang's vector extension): both compilers unroll the plain loop into scalars.
+using Int4 [[gnu::vector_size(16)]] = std::int32_t;
+
+template <int lanes>
+inline bool add(std::int32_t* sums, const std::int32_t* values) {
+  constexpr std::size_t whole = lanes / 4 * 4;
+  Int4 outside{};
+  for (std::size_t i = 0; i < whole; i += 4) {
+    Int4 sum;
+    Int4 value;
+    std::memcpy(&sum, sums + i, sizeof(sum));
+    std::memcpy(&value, values + i, sizeof(value));
+    sum += value;
+    std::memcpy(sums + i, &sum, sizeof(sum));
+    outside |= sum + spill_limit;  // negative once |sum| passes the limit
+  }
+  std::int32_t any = outside[0] | outside[1] | outside[2] | outside[3];
+  for (std::size_t i = whole; i < lanes; ++i) {
+    sums[i] += values[i];
+    any |= sums[i] + spill_limit;
+  }
+  return any < 0;
+}
 
 // Subcell bit within a cell, from a position in quarters of a voxel.
 unsigned subcell(int x, int y, int z) { return static_cast<unsigned>(((z & 3) << 4) | ((y & 3) << 2) | (x & 3)); }
@@ -112,17 +138,36 @@ void PhotonDepositor::deposit_all(const std::vector<PhotonSegment>& segments) {
   }
 }
 
+// The sums outgrow the second-level cache from about 32^3 vertices on, so this is bound by memory
+// latency: positions are found ahead of time and their sums asked for, then added when they are there.
 template <int lanes>
 void PhotonDepositor::sample_runs(std::size_t slot) {
   const V3i last = target_.frame.size - V3i(1, 1, 1);
   const int row = target_.frame.size.x;
   const int plane = row * target_.frame.size.y;
   const std::uint64_t* masks = target_.cell_masks.data();
-  const std::size_t base = slot * target_.cell_masks.size();
-  const std::int32_t* values = run_values_[slot].data();
-  for (const Run& run : runs_[slot]) {
-    // Cells and subcells of a block of positions at once: this part vectorises.
-    constexpr int block = 8;
+  std::int32_t* sums = sums_.data() + target_.lane_index(slot, 0);
+
+  struct Pending {
+    std::uint32_t vertex;
+    std::uint32_t run;
+  };
+  constexpr std::size_t ahead = 48;
+  constexpr int block = 8;  // positions found at once: that part vectorises
+  std::array<Pending, ahead + block> pending;
+  std::size_t waiting = 0;
+  const auto add_pending = [&] {
+    for (std::size_t i = 0; i < waiting; ++i) {
+      const Pending& p = pending[i];
+      std::int32_t* cell = sums + std::size_t(p.vertex) * lanes;
+      if (add<lanes>(cell, run_values_[slot].data() + std::size_t(p.run) * lanes))
+        spill(target_.lane_index(slot, p.vertex), lanes);
+    }
+    waiting = 0;
+  };
+
+  for (std::size_t r = 0; r < runs_[slot].size(); ++r) {
+    const Run& run = runs_[slot][r];
     std::array<std::int32_t, block> vertex;
     std::array<std::int32_t, block> bit;
     for (int first = 0; first < run.count; first += block) {
@@ -139,13 +184,18 @@ void PhotonDepositor::sample_runs(std::size_t slot) {
       }
       const int used = std::min(block, run.count - first);
       for (int k = 0; k < used; ++k) {
-        const auto v = static_cast<std::size_t>(vertex[std::size_t(k)]);
-        if (((masks[v] >> static_cast<unsigned>(bit[std::size_t(k)])) & 1U) != 0)
-          add<lanes>((base + v) * lanes, values);
+        const auto v = static_cast<std::uint32_t>(vertex[std::size_t(k)]);
+        // Kept whether seen or not, counted only if seen: a branch here would be mispredicted often.
+        const char* line = reinterpret_cast<const char*>(sums + std::size_t(v) * lanes);
+        __builtin_prefetch(line, 1);
+        __builtin_prefetch(line + lanes * sizeof(std::int32_t) - 1, 1);
+        pending[waiting] = {v, static_cast<std::uint32_t>(r)};
+        waiting += (masks[v] >> static_cast<unsigned>(bit[std::size_t(k)])) & 1U;
       }
+      if (waiting >= ahead) add_pending();
     }
-    values += lanes;
   }
+  add_pending();
 }
 
 // Whole cells are stepped through exactly; a cell that its vertex does not see whole is stepped
@@ -197,7 +247,7 @@ void PhotonDepositor::walk_cells(const PhotonSegment& segment) {
          std::array<float, lanes> values;
          for (std::size_t i = 0; i < lanes; ++i)
            values[i] = a_metre.values[i] * (i + 3 < lanes ? length_m : length_m * length_m);
-         add<lanes>(a_metre.slot, vertex, values.data());
+         add_step<lanes>(a_metre.slot, vertex, values.data());
        });
 }
 
@@ -219,30 +269,20 @@ void PhotonDepositor::cross_faces(const PhotonSegment& segment) {
       V3i vertex;
       for (unsigned a = 0; a < 3; ++a) vertex[a] = std::clamp(static_cast<int>(at[a]), 0, size[a] - 1);
       vertex[axis] = plane;
-      add<12>(a_crossing.slot, target_.frame.vertex_index(vertex.x, vertex.y, vertex.z), a_crossing.values.data());
+      add_step<12>(a_crossing.slot, target_.frame.vertex_index(vertex.x, vertex.y, vertex.z), a_crossing.values.data());
     }
   }
 }
 
 template <int lanes>
-void PhotonDepositor::add(std::size_t first_lane, const std::int32_t* values) {
-  std::int32_t* sums = sums_.data() + first_lane;
-  std::int32_t outside = 0;
-  for (std::size_t i = 0; i < lanes; ++i) {
-    sums[i] += values[i];
-    outside |= sums[i] + spill_limit;  // negative once |sums[i]| passes the limit
-  }
-  if (outside < 0) spill(first_lane, lanes);
-}
-
-template <int lanes>
-void PhotonDepositor::add(std::size_t slot, std::size_t vertex, const float* values) {
+void PhotonDepositor::add_step(std::size_t slot, std::size_t vertex, const float* values) {
   std::array<std::int32_t, lanes> integers;
   float largest = 0;
   for (std::size_t i = 0; i < lanes; ++i) largest = std::max(largest, std::abs(values[i]));
   if (!(largest < largest_step)) return add_wide(slot, vertex, values, lanes);
   for (std::size_t i = 0; i < lanes; ++i) integers[i] = rounded(values[i]);
-  add<lanes>(target_.lane_index(slot, vertex), integers.data());
+  const std::size_t first = target_.lane_index(slot, vertex);
+  if (add<lanes>(sums_.data() + first, integers.data())) spill(first, lanes);
 }
 
 // Saturates instead of overflowing: a deposit of 2^60 units (a face met at next to no angle) is noise

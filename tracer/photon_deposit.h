@@ -40,9 +40,7 @@ class PhotonDepositor {
   void walk_cells(const PhotonSegment& segment);
   void cross_faces(const PhotonSegment& segment);
   template <int lanes>
-  void add(std::size_t slot, std::size_t vertex, const float* values);
-  template <int lanes>
-  void add(std::size_t first_lane, const std::int32_t* values);
+  void add_step(std::size_t slot, std::size_t vertex, const float* values);
   void add_wide(std::size_t slot, std::size_t vertex, const float* values, int lanes);
   void spill(std::size_t first_lane, int lanes);
 
