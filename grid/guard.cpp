@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace ivory {
 namespace {
@@ -51,12 +52,13 @@ std::optional<GuardPlane> unpack(std::uint32_t word) {
   return GuardPlane{V3f(x, y, z).normalized(), distance};
 }
 
-bool sees(const GuardRecord& record, const V3f& u) {
+float hidden_by(const GuardRecord& record, const V3f& u) {
+  float most = -std::numeric_limits<float>::max();
   for (const std::uint32_t word : record.words) {
-    const std::optional<GuardPlane> plane = unpack(word);
-    if (plane && plane->normal.dot(u) > plane->distance) return false;
+    if (const std::optional<GuardPlane> plane = unpack(word))
+      most = std::max(most, plane->normal.dot(u) - plane->distance);
   }
-  return true;
+  return most;
 }
 
 std::uint64_t visible_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint) {
@@ -65,13 +67,21 @@ std::uint64_t visible_by_guard(const IrradianceGrid& grid, const V3f& p, const F
   const auto row = std::uint32_t(grid.frame.size.x);
   const auto plane = row * std::uint32_t(grid.frame.size.y);
   std::uint64_t visible = 0;
+  int least_bad = 0;
+  float least_hidden = std::numeric_limits<float>::max();
   for (int i = 0; i < footprint.count; ++i) {
     const std::uint32_t vertex = footprint.vertex[std::size_t(i)];
+    if (footprint.weight[std::size_t(i)] == 0 || grid.visible_fraction[vertex] <= 0) continue;
     const V3f at(static_cast<float>(vertex % row), static_cast<float>(vertex % plane / row),
                  static_cast<float>(vertex / plane));
-    if (sees(grid.guard[vertex], index - at)) visible |= std::uint64_t(1) << unsigned(i);
+    const float hidden = hidden_by(grid.guard[vertex], index - at);
+    if (hidden <= 0) visible |= std::uint64_t(1) << unsigned(i);
+    if (hidden < least_hidden) {
+      least_hidden = hidden;
+      least_bad = i;
+    }
   }
-  return visible;
+  return visible != 0 ? visible : std::uint64_t(1) << unsigned(least_bad);
 }
 
 }  // namespace ivory

@@ -19,10 +19,12 @@ inline constexpr int guard_planes = 4;
 std::uint32_t pack(const GuardPlane& plane);
 std::optional<GuardPlane> unpack(std::uint32_t word);
 
-// Does a vertex with this record see the point at offset u?
-bool sees(const GuardRecord& record, const V3f& u);
+// How far, in voxels, the point at offset u lies beyond the plane that hides it most: positive where the
+// vertex does not see it, very negative where no plane is set.
+float hidden_by(const GuardRecord& record, const V3f& u);
 
-// Bit i: entry i's vertex sees p (world). All ones for a grid without guard.
+// Bit i: entry i's vertex sees p (world). Where none of those that count does, the one that misses it
+// least. All ones for a grid without guard.
 std::uint64_t visible_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint);
 
 }  // namespace ivory

@@ -14,6 +14,7 @@
 
 #include "grid/error.h"
 #include "tracer/guard_fit.h"
+#include "tracer/lit_vertices.h"
 #include "tracer/photon_deposit.h"
 #include "tracer/photon_tracer.h"
 #include "tracer/vertex_visibility.h"
@@ -24,6 +25,7 @@ namespace {
 constexpr int default_long_side = 32;
 constexpr std::uint64_t default_photons_a_vertex = 256;
 constexpr std::uint64_t least_default_photons = 1'000'000;
+constexpr std::uint64_t scout_photons_a_vertex = 4;
 constexpr std::uint64_t photons_a_batch = 2048;  // about 10,000 segments: they stay in the second-level cache
 
 std::uint64_t machine_memory_bytes() {
@@ -119,14 +121,17 @@ GridSums bake_grid_sums(const Intersector& intersector, const Lights& lights, co
                                          : vertex_cell_masks(intersector, frame);
   GridSums result;
   result.visible_fraction = visible_fractions(masks);
-  if (params.guard != Guard::off) result.guard = fit_guard(intersector, frame, result.visible_fraction);
-
-  DepositTarget target = make_deposit_target(frame, params.basis, params.estimator,
-                                             max_component(lights.total_power_lm()), std::move(masks));
   const PhotonTracer tracer(
       intersector, lights,
       {.max_bounces = params.max_bounces, .include_direct = params.include_direct, .seed = params.seed});
+  if (params.guard != Guard::off) {
+    const std::uint64_t scouts = std::min(photons, scout_photons_a_vertex * frame.vertex_count());
+    const std::vector<bool> lit = lit_vertices(tracer, frame, masks, scouts);
+    result.guard = fit_guard(intersector, frame, result.visible_fraction, lit);
+  }
 
+  DepositTarget target = make_deposit_target(frame, params.basis, params.estimator,
+                                             max_component(lights.total_power_lm()), std::move(masks));
   struct Worker {
     PhotonDepositor depositor;
     std::vector<PhotonSegment> segments;

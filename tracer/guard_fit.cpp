@@ -106,30 +106,41 @@ Scored best_offset(const GuardPlane& candidate, const Samples& samples, float pe
   return best;
 }
 
-GuardRecord fit_vertex(Samples samples, const GuardFitParams& params) {
-  GuardRecord record;
-  const std::vector<GuardPlane> candidates = candidate_planes(samples);
+// Adds planes to the record while they are worth it; takes what they clip out of the samples.
+void add_planes(Samples& samples, const std::vector<GuardPlane>& candidates, float clip_penalty, float least_score,
+                GuardRecord& record) {
   std::vector<std::pair<float, float>> scratch;
-  for (std::size_t slot = 0; slot < guard_planes && !samples.hidden.empty(); ++slot) {
+  for (std::uint32_t& word : record.words) {
+    if (word != 0) continue;
     Scored best;
     for (const GuardPlane& candidate : candidates) {
-      const Scored scored = best_offset(candidate, samples, params.clip_penalty, scratch);
+      const Scored scored = best_offset(candidate, samples, clip_penalty, scratch);
       if (scored.score > best.score) best = scored;
     }
-    constexpr float worth_a_plane = 1.5F;
-    if (best.score < worth_a_plane) break;
-    record.words[slot] = pack(best.plane);
+    if (best.score < least_score) return;
+    word = pack(best.plane);
     const auto clipped = [&](const V3f& u) { return best.plane.normal.dot(u) > best.plane.distance; };
     std::erase_if(samples.hidden, clipped);
     std::erase_if(samples.visible, clipped);
   }
+}
+
+GuardRecord fit_vertex(Samples samples, bool lit, const GuardFitParams& params) {
+  GuardRecord record;
+  const std::vector<GuardPlane> candidates = candidate_planes(samples);
+  const auto count = static_cast<float>(samples.hidden.size() + samples.visible.size());
+  add_planes(samples, candidates, params.clip_penalty, 1.5F, record);
+  // Outside a convex room's corner no plane parts the room from the free space beside it. Where that
+  // space is dark, its claim is given up.
+  if (!lit) add_planes(samples, candidates, params.clip_penalty_dark, 0.04F * count, record);
   return record;
 }
 
 }  // namespace
 
 std::vector<GuardRecord> fit_guard(const Intersector& intersector, const GridFrame& frame,
-                                   const std::vector<float>& visible_fraction, const GuardFitParams& params) {
+                                   const std::vector<float>& visible_fraction, const std::vector<bool>& lit,
+                                   const GuardFitParams& params) {
   std::vector<GuardRecord> records(frame.vertex_count());
   const auto row = std::size_t(frame.size.x);
   const auto plane = row * std::size_t(frame.size.y);
@@ -138,7 +149,7 @@ std::vector<GuardRecord> fit_guard(const Intersector& intersector, const GridFra
       if (visible_fraction[v] <= 0) continue;
       const V3f vertex(static_cast<float>(v % row), static_cast<float>(v % plane / row), static_cast<float>(v / plane));
       const Samples samples = trace_samples(intersector, frame, vertex, v, params);
-      if (!samples.hidden.empty()) records[v] = fit_vertex(samples, params);
+      if (!samples.hidden.empty()) records[v] = fit_vertex(samples, lit[v], params);
     }
   });
   return records;

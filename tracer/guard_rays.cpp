@@ -58,6 +58,7 @@ Footprint lookup_footprint(const IrradianceGrid& grid, const Intersector* inters
   std::uint64_t visible = ~std::uint64_t(0);
   if (guard == Guard::rays) {
     visible = visible_by_rays(grid, *intersector, nudged, footprint);
+    if (visible == 0) visible = visible_by_guard(grid, nudged, footprint);
   } else if (guard == Guard::planes) {
     visible = visible_by_guard(grid, nudged, footprint);
   }
