@@ -4,7 +4,6 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <stdexcept>
 
 #include <fmt/format.h>
 #include <openvdb/io/File.h>
@@ -12,6 +11,7 @@
 #include <unistd.h>
 
 #include "grid/error.h"
+#include "grid/io_trial.h"
 #include "grid/io_vdb.h"
 #include "grid/io_vdb_layout.h"
 #include "grid/io_vdb_seal.h"
@@ -24,23 +24,29 @@ using Vec3fGrid = openvdb::Vec3SGrid;
 
 constexpr const char* read_remedy = "give a .vdb file that ivory baked";
 
-// OpenVDB's exceptions become the one line.
+// action(name) reads the file under a name that is safe to open: its own where the checksum is right.
+// A file without checksum OpenVDB reads first in a process of its own, which may crash over damage,
+// and what it has saved again is read here. OpenVDB's exceptions become the one line.
 template <typename Action>
-auto guarded(const std::string& path, const Action& action) {
+auto read_safely(const std::string& path, const Action& action) {
+  openvdb::initialize();
   try {
-    return action();
+    if (verify_vdb(path)) return action(path);
+    // Room for every byte of the file to unpack into 256.
+    const std::uint64_t memory_bytes = (std::filesystem::file_size(path) + (1U << 20U)) * 256;
+    const TrialOutcome trial = run_trial(memory_bytes, [&] { return resave_vdb(path); });
+    if (trial.kind == TrialOutcome::Kind::crashed)
+      throw Error(path, "is damaged", "save it again from the program that wrote it");
+    if (trial.kind == TrialOutcome::Kind::threw) throw Error(path, "OpenVDB reports " + trial.text, read_remedy);
+    return action(MemoryFile(trial.text).path());
   } catch (const openvdb::Exception& error) {
     throw Error(path, fmt::format("OpenVDB reports {}", error.what()), read_remedy);
-  } catch (const std::ios_base::failure& error) {
-    throw Error(path, error.what(), read_remedy);
-  } catch (const std::length_error&) {
-    throw Error(path, "holds impossible sizes", read_remedy);
   }
 }
 
 // An opened file and its metadata, wherever they survived.
 struct OpenFile {
-  explicit OpenFile(const std::string& file_path) : path(file_path), file(file_path) {
+  OpenFile(std::string shown_path, const std::string& safe_name) : path(std::move(shown_path)), file(safe_name) {
     file.open(/*delayLoad=*/false);
     metadata = file.getMetadata();
     if ((!metadata || !(*metadata)[file_prefix + "kind"]) && file.hasGrid(visible_fraction_name))
@@ -144,7 +150,7 @@ struct OpenFile {
     return typed;
   }
 
-  std::string path;
+  std::string path;  // for messages
   openvdb::io::File file;
   openvdb::MetaMap::Ptr metadata;
 };
@@ -217,10 +223,8 @@ Visibility read_visibility(OpenFile& in, std::size_t bytes_per_vertex) {
 }  // namespace
 
 IrradianceGrid read_grid_vdb(const std::string& path) {
-  verify_vdb(path);
-  openvdb::initialize();
-  return guarded(path, [&] {
-    OpenFile in(path);
+  return read_safely(path, [&](const std::string& safe_name) {
+    OpenFile in(path, safe_name);
     in.require_kind(vdb_grid_kind);
     IrradianceGrid grid;
     grid.basis = in.get_named("basis", basis_from_name);
@@ -248,10 +252,8 @@ IrradianceGrid read_grid_vdb(const std::string& path) {
 }
 
 GridSums read_sums_vdb(const std::string& path) {
-  verify_vdb(path);
-  openvdb::initialize();
-  return guarded(path, [&] {
-    OpenFile in(path);
+  return read_safely(path, [&](const std::string& safe_name) {
+    OpenFile in(path, safe_name);
     in.require_kind(vdb_sums_kind);
     GridSums sums;
     sums.basis = in.get_named("basis", basis_from_name);
@@ -293,10 +295,8 @@ GridSums read_sums_vdb(const std::string& path) {
 }
 
 Metadata read_vdb_info(const std::string& path) {
-  verify_vdb(path);
-  openvdb::initialize();
-  return guarded(path, [&] {
-    OpenFile in(path);
+  return read_safely(path, [&](const std::string& safe_name) {
+    OpenFile in(path, safe_name);
     Metadata info = in.caller_metadata();
     for (auto entry = in.metadata->beginMeta(); entry != in.metadata->endMeta(); ++entry) {
       if (!entry->first.starts_with(file_prefix)) continue;

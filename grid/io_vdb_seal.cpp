@@ -45,7 +45,7 @@ void seal_vdb(std::string& bytes) {
   bytes.replace(uuid_offset, uuid_length, uuid_of(bytes));
 }
 
-void verify_vdb(const std::string& path) {
+bool verify_vdb(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
@@ -57,12 +57,13 @@ void verify_vdb(const std::string& path) {
   if (error || !file) throw Error(path, "cannot be opened", "check its permissions");
   if (!file.read(bytes.data(), std::streamsize(header_length)) || !bytes.starts_with(magic))
     throw Error(path, "is not an OpenVDB file", "give a .vdb file that ivory baked");
-  if (std::string_view(bytes).substr(uuid_offset, mark.size()) != mark) return;
+  if (std::string_view(bytes).substr(uuid_offset, mark.size()) != mark) return false;
   bytes.resize(size);
   if (!file.read(bytes.data() + header_length, std::streamsize(size - header_length)))
     throw Error(path, "cannot be read", "check the disk");
   if (std::string_view(bytes).substr(uuid_offset, uuid_length) != uuid_of(bytes))
     throw Error(path, "is damaged or cut short (its checksum differs)", "copy or bake it again");
+  return true;
 }
 
 }  // namespace ivory

@@ -27,19 +27,19 @@ openvdb::math::Transform::Ptr transform_of(const GridFrame& frame) {
 // io::File can only write to a name; the bytes are wanted in memory, to be sealed.
 class MemoryArchive : public openvdb::io::Archive {
  public:
-  std::string bytes(const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) {
+  std::string sealed_bytes(const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) {
     std::ostringstream out(std::ios::binary);
     Archive::write(out, grids, /*seekable=*/true, metadata);
-    return std::move(out).str();
+    std::string result = std::move(out).str();
+    seal_vdb(result);
+    return result;
   }
 };
 
 void write_sealed(const std::string& path, bool force, const openvdb::GridCPtrVec& grids,
                   const openvdb::MetaMap& metadata) {
   PendingFile pending(path, force);
-  MemoryArchive archive;
-  std::string bytes = archive.bytes(grids, metadata);
-  seal_vdb(bytes);
+  const std::string bytes = MemoryArchive().sealed_bytes(grids, metadata);
   std::ofstream file(pending.temporary(), std::ios::binary);
   file.write(bytes.data(), std::streamsize(bytes.size()));
   file.close();
@@ -141,6 +141,14 @@ void guarded(const std::string& path, const Action& action) {
 }
 
 }  // namespace
+
+std::string resave_vdb(const std::string& path) {
+  openvdb::io::File file(path);
+  file.open(/*delayLoad=*/false);
+  const auto grids = file.getGrids();
+  const auto metadata = file.getMetadata();
+  return MemoryArchive().sealed_bytes({grids->begin(), grids->end()}, metadata ? *metadata : openvdb::MetaMap());
+}
 
 void write_vdb(const std::string& path, const IrradianceGrid& grid, bool force) {
   openvdb::initialize();

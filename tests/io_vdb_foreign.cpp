@@ -1,11 +1,14 @@
 // .vdb files that have been through other programs: saved again, moved, or never ivory's at all.
 // OpenVDB itself plays the other program.
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
 
 #include <gtest/gtest.h>
 #include <openvdb/openvdb.h>
 
 #include "grid/error.h"
+#include "grid/io_trial.h"
 #include "grid/io_vdb.h"
 #include "tests/io_random.h"
 
@@ -232,6 +235,39 @@ TEST(VdbForeign, RefusesOtherContent) {
     const std::string error = Resaved("content", edit).error();
     EXPECT_NE(error.find(what), std::string::npos) << what << ": " << error;
   }
+}
+
+// Without ivory's checksum OpenVDB meets the damage itself; whatever it does there, one line comes out.
+TEST(VdbForeign, DamageWithoutChecksum) {
+  const Resaved file("damage", nothing, Basis::sh4);
+  const std::string bytes = read_bytes(file.path);
+  std::mt19937 rng(9);
+  for (int trial = 0; trial < 150; ++trial) {
+    std::string damaged = bytes;
+    if (trial % 3 == 0) {
+      damaged.resize(57 + rng() % (bytes.size() - 57));
+    } else {
+      char& victim = damaged[rng() % (trial % 3 == 1 ? 6000 : bytes.size())];
+      victim = char(victim ^ (1 << (rng() % 8)));
+    }
+    write_bytes(file.path, damaged);
+    file.error();  // checks the message; values that changed without a trace are read as they are
+  }
+}
+
+TEST(Trial, TellsCrashesFromAnswers) {
+  using Kind = TrialOutcome::Kind;
+  const auto kind_of = [](const std::function<std::string()>& action) { return run_trial(64U << 20U, action).kind; };
+  const TrialOutcome returned = run_trial(64U << 20U, [] { return std::string(1'000'000, 'x'); });
+  EXPECT_EQ(returned.kind, Kind::returned);
+  EXPECT_EQ(returned.text, std::string(1'000'000, 'x'));
+  const TrialOutcome threw = run_trial(64U << 20U, []() -> std::string { throw std::runtime_error("why"); });
+  EXPECT_EQ(threw.kind, Kind::threw);
+  EXPECT_EQ(threw.text, "why");
+  EXPECT_EQ(kind_of([]() -> std::string { std::abort(); }), Kind::crashed);
+  EXPECT_EQ(kind_of([] { return std::raise(SIGSEGV) == 0 ? "" : ""; }), Kind::crashed);
+  EXPECT_EQ(kind_of([]() -> std::string { throw std::bad_alloc(); }), Kind::crashed);
+  EXPECT_EQ(kind_of([] { return read_bytes("/dev/zero"); }), Kind::crashed);
 }
 
 TEST(VdbForeign, ReadableByPython) {

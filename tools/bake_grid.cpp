@@ -35,18 +35,18 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   params.seed = options.seed;
   params.threads = thread_count(common);
   sum_layout(params.basis, params.estimator);  // refuses bases that the estimator cannot fill
+  if (params.photon_range && params.photons != 0 && params.photon_range->second > params.photons)
+    throw UsageError(fmt::format("--photon-range ends at {}, past the {} of --photons", params.photon_range->second,
+                                 params.photons));
   check_output(options.output, common);
 
   const auto input = load_scene_input(options.scene, options.environment, common);
   const GridFrame frame = default_frame(input->scene, params);
-  print_note(common, fmt::format("baking {}x{}x{} vertices, {:.4g} x {:.4g} x {:.4g} m apart; basis {}, estimator {}, "
-                                 "guard {}, {} light",
-                                 frame.size.x, frame.size.y, frame.size.z, frame.spacing_m.x, frame.spacing_m.y,
-                                 frame.spacing_m.z, options.basis, options.estimator, options.guard,
-                                 params.include_direct ? "direct and indirect" : "indirect"));
   const auto start = std::chrono::steady_clock::now();
   GridSums sums = [&] {
     Progress progress(common, "baking", "photons");
+    progress.note(fmt::format("{}x{}x{} vertices, {:.4g} x {:.4g} x {:.4g} m apart", frame.size.x, frame.size.y,
+                              frame.size.z, frame.spacing_m.x, frame.spacing_m.y, frame.spacing_m.z));
     params.progress = progress.callback();
     return bake_grid_sums(*input->intersector, *input->lights, params);
   }();

@@ -218,6 +218,12 @@ void Progress::update(std::uint64_t done, std::uint64_t total) {
   std::fflush(stderr);
 }
 
+void Progress::note(const std::string& line) {
+  if (!visible_) return;
+  const std::scoped_lock lock(mutex_);
+  fmt::print(stderr, "{}{}\n", drawn_ ? "\r\033[K" : "", line);
+}
+
 std::function<void(std::uint64_t, std::uint64_t)> Progress::callback() {
   return [this](std::uint64_t done, std::uint64_t total) { update(done, total); };
 }

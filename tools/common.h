@@ -80,6 +80,8 @@ class Progress {
   Progress& operator=(const Progress&) = delete;
 
   void update(std::uint64_t done, std::uint64_t total);
+  // A line above the progress, shown where progress is: what is about to happen.
+  void note(const std::string& line);
   // update() as a callback; this object must outlive it.
   std::function<void(std::uint64_t, std::uint64_t)> callback();
 

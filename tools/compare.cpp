@@ -56,7 +56,9 @@ void add_compare_command(CLI::App& app, CommonOptions& common) {
       "Over all pixels and the channels red, green and blue, a in A and b in REF:\n"
       "  nrmse          root of mean (a-b)^2, divided by max b - min b\n"
       "  relative_rmse  root of mean (a-b)^2 / (b^2 + (0.01 mean b)^2)\n"
-      "  max, bias      largest |a-b|, mean a-b");
+      "  max, bias      largest |a-b|, mean a-b\n"
+      "Example:\n"
+      "  ivory compare gather.exr path.exr --json");
   set_action(*command, common, Output::none, [options, &common] { run_compare(*options, common); });
 }
 

@@ -70,11 +70,15 @@ std::string result_text(const Json& result) {
   const auto& size = result["resolution"];
   const auto& spacing = result["spacing_m"];
   const auto& range = result["photon_range"];
+  const auto& parameters = result["parameters"];
+  const auto parameter = [&](const char* key) { return parameters.value(key, std::string("unknown")); };
   std::string text = fmt::format(
       "{}: {} of {}x{}x{} vertices ({} stored), {:.4g} x {:.4g} x {:.4g} m apart, {}\n",
       result["file"].get<std::string>(), result["kind"] == "grid" ? "grid" : "photon sums", size[0].get<int>(),
       size[1].get<int>(), size[2].get<int>(), result["vertices_stored"].get<std::int64_t>(), spacing[0].get<float>(),
       spacing[1].get<float>(), spacing[2].get<float>(), format_bytes(result["bytes"].get<std::uint64_t>()));
+  text += fmt::format("{} light, basis {}, estimator {}, guard {}\n", parameter("light"), parameter("basis"),
+                      parameter("estimator"), parameter("guard"));
   text += fmt::format("photons {}:{} of {}", range[0].get<std::uint64_t>(), range[1].get<std::uint64_t>(),
                       result["photons"].get<std::uint64_t>());
   if (const auto& energy = result["energy"]; !energy.is_null()) {
