@@ -209,6 +209,8 @@ TEST(Film, AutoExposureBringsTheMeanToMiddleGrey) {
   film.height = 2;
   film.pixels = {Rgb(0, 0, 0), Rgb(2, 2, 2), Rgb(8, 8, 8), Rgb(4, 4, 4)};
   EXPECT_NEAR(auto_exposure(film), std::log2(0.18F / 4), 1e-5F);
+  film.pixels = {Rgb(1e-6F, 1e-6F, 1e-6F), Rgb(1e-6F, 1e-6F, 1e-6F), Rgb(1e-6F, 1e-6F, 1e-6F), Rgb(4, 4, 4)};
+  EXPECT_NEAR(auto_exposure(film), -2, 1e-5F);  // the bright quarter to white
   film.pixels.assign(4, Rgb(0, 0, 0));
   EXPECT_EQ(auto_exposure(film), 0);
 }

@@ -221,7 +221,7 @@ void add_render_command(CLI::App& app, CommonOptions& common) {
   command
       ->add_option_function<float>(
           "--exposure", [options](float stops) { options->exposure_stops = stops; },
-          "Stops for tone-mapped pictures [mean luminance to middle grey]")
+          "Stops for tone-mapped pictures [mean luminance to middle grey, highlights to white]")
       ->check(CLI::Range(-100.0F, 100.0F))
       ->type_name("STOPS");
   command->footer(

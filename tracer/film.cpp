@@ -6,15 +6,18 @@
 namespace ivory {
 
 float auto_exposure(const Film& film) {
+  std::vector<float> lit;
   double sum = 0;
-  std::size_t count = 0;
   for (const Rgb& pixel : film.pixels) {
     const float y = luminance(pixel);
     if (!(y > 0)) continue;
+    lit.push_back(y);
     sum += std::log2(double(y));
-    ++count;
   }
-  return count == 0 ? 0.0F : float(std::log2(0.18) - sum / double(count));
+  if (lit.empty()) return 0;
+  const auto bright = lit.begin() + std::ptrdiff_t(lit.size() * 9 / 10);
+  std::nth_element(lit.begin(), bright, lit.end());
+  return float(std::min(std::log2(0.18) - sum / double(lit.size()), -std::log2(double(*bright))));
 }
 
 // https://github.com/KhronosGroup/ToneMapping: the constants are those of its specification.
