@@ -274,6 +274,23 @@ TEST(GltfGeometry, DegenerateTrianglesAndStrayVerticesGo) {
   EXPECT_EQ(bounds(loaded.scene).max, V3f(1, 1, 0));
 }
 
+// Primitives that share one long vertex array each keep their own part of it.
+TEST(GltfGeometry, PartsOfASharedVertexArray) {
+  GltfBuilder builder;
+  const int positions = builder.add({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {5, 0, 0}, {6, 0, 0}, {5, 1, 0}, {9, 9, 9}});
+  const int normals = builder.add({{0, 0, 1}, {0, 0, 1}, {0, 0, 1}, {0, 1, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
+  const json attributes = {{"POSITION", positions}, {"NORMAL", normals}};
+  const int mesh = builder.add_mesh({{"attributes", attributes}, {"indices", builder.add_indices({0, 1, 2})}});
+  builder.root["meshes"][0]["primitives"].push_back(
+      {{"attributes", attributes}, {"indices", builder.add_indices({4, 5, 3})}});
+  builder.add_node({{"mesh", mesh}});
+  const Scene scene = load(builder, "shared_array").scene;
+  ASSERT_EQ(scene.meshes.size(), 2U);
+  EXPECT_EQ(scene.meshes[1].positions, (std::vector<V3f>{{5, 0, 0}, {6, 0, 0}, {5, 1, 0}}));
+  EXPECT_EQ(scene.meshes[1].normals, (std::vector<V3f>{{0, 1, 0}, {1, 0, 0}, {0, 1, 0}}));
+  EXPECT_EQ(world_triangles(scene)[1], (Corners{{{5, 0, 0}, {6, 0, 0}, {5, 1, 0}}}));
+}
+
 TEST(GltfGeometry, ASceneWithoutTrianglesLoads) {
   GltfBuilder builder;
   const LoadedScene loaded = load(builder, "empty");

@@ -143,17 +143,23 @@ std::vector<std::uint32_t> sparse_indices(const Document& document, const tinygl
   return indices;
 }
 
-template <int n>
-void read_floats(const Document& document, int index, const std::string& what, std::vector<float>& out) {
+// Vectors of n floats without padding, as all of Imath's are.
+template <class Vector, int n>
+std::vector<Vector> read_vectors(const Document& document, int index, const std::string& what, const Range& range) {
+  static_assert(sizeof(Vector) == n * sizeof(float));
   const tinygltf::Accessor& accessor = document.model.accessors[std::size_t(index)];
   if (tinygltf::GetNumComponentsInType(std::uint32_t(accessor.type)) != n || accessor.type == TINYGLTF_TYPE_MAT2)
     document.fail(fmt::format("{} (accessors[{}]) does not have {} components", what, index, n), remedy);
-  out.assign(accessor.count * n, 0.0F);
+  const std::size_t first = std::min(range.first, accessor.count);
+  const std::size_t count = std::min(range.count, accessor.count - first);
+  std::vector<Vector> result(count, Vector(0));
+  if (count == 0) return result;
+  float* const out = &result[0].x;
   if (accessor.bufferView >= 0) {
     const tinygltf::BufferView& view = document.model.bufferViews[std::size_t(accessor.bufferView)];
-    convert<n>(accessor.componentType, view_data(document, accessor.bufferView, what) + accessor.byteOffset,
-               view.byteStride == 0 ? element_bytes(accessor) : view.byteStride, accessor.count, accessor.normalized,
-               out.data());
+    const std::size_t stride = view.byteStride == 0 ? element_bytes(accessor) : view.byteStride;
+    const std::uint8_t* source = view_data(document, accessor.bufferView, what) + accessor.byteOffset + first * stride;
+    convert<n>(accessor.componentType, source, stride, count, accessor.normalized, out);
   }
   if (accessor.sparse.isSparse) {
     const std::vector<std::uint32_t> places = sparse_indices(document, accessor, what);
@@ -161,20 +167,13 @@ void read_floats(const Document& document, int index, const std::string& what, s
     convert<n>(accessor.componentType,
                view_data(document, accessor.sparse.values.bufferView, what) + accessor.sparse.values.byteOffset,
                element_bytes(accessor), places.size(), accessor.normalized, values.data());
-    for (std::size_t i = 0; i < places.size(); ++i) std::copy_n(&values[i * n], n, &out[std::size_t(places[i]) * n]);
+    for (std::size_t i = 0; i < places.size(); ++i)
+      if (places[i] >= first && places[i] - first < count)
+        std::copy_n(&values[i * n], n, out + (places[i] - first) * n);
   }
-  for (std::size_t i = 0; i < out.size(); ++i)
+  for (std::size_t i = 0; i < count * n; ++i)
     if (!std::isfinite(out[i]))
-      document.fail(fmt::format("{} (accessors[{}]) is not finite at element {}", what, index, i / n), remedy);
-}
-
-template <class Vector, int n>
-std::vector<Vector> read_vectors(const Document& document, int index, const std::string& what) {
-  std::vector<float> floats;
-  read_floats<n>(document, index, what, floats);
-  static_assert(sizeof(Vector) == n * sizeof(float));
-  std::vector<Vector> result(floats.size() / n);
-  if (!floats.empty()) std::memcpy(static_cast<void*>(result.data()), floats.data(), floats.size() * sizeof(float));
+      document.fail(fmt::format("{} (accessors[{}]) is not finite at element {}", what, index, first + i / n), remedy);
   return result;
 }
 
@@ -184,22 +183,16 @@ void check_accessors(Document& document) {
   for (std::size_t i = 0; i < document.model.accessors.size(); ++i) check_accessor(document, i);
 }
 
-std::vector<float> read_scalars(const Document& document, int accessor, const std::string& what) {
-  std::vector<float> result;
-  read_floats<1>(document, accessor, what, result);
-  return result;
+std::vector<V2f> read_vec2(const Document& document, int accessor, const std::string& what, const Range& range) {
+  return read_vectors<V2f, 2>(document, accessor, what, range);
 }
 
-std::vector<V2f> read_vec2(const Document& document, int accessor, const std::string& what) {
-  return read_vectors<V2f, 2>(document, accessor, what);
+std::vector<V3f> read_vec3(const Document& document, int accessor, const std::string& what, const Range& range) {
+  return read_vectors<V3f, 3>(document, accessor, what, range);
 }
 
-std::vector<V3f> read_vec3(const Document& document, int accessor, const std::string& what) {
-  return read_vectors<V3f, 3>(document, accessor, what);
-}
-
-std::vector<V4f> read_vec4(const Document& document, int accessor, const std::string& what) {
-  return read_vectors<V4f, 4>(document, accessor, what);
+std::vector<V4f> read_vec4(const Document& document, int accessor, const std::string& what, const Range& range) {
+  return read_vectors<V4f, 4>(document, accessor, what, range);
 }
 
 std::vector<std::uint32_t> read_indices(const Document& document, int index, const std::string& what) {

@@ -27,6 +27,12 @@ std::string one_line(std::string text) {
   return text;
 }
 
+// Names and excerpts from the file may be of any length.
+std::string clipped(const std::string& text) {
+  constexpr std::size_t longest = 400;
+  return text.size() <= longest ? text : text.substr(0, longest) + "...";
+}
+
 std::uint32_t read_u32(std::span<const std::uint8_t> bytes, std::size_t at) {
   return std::uint32_t(bytes[at]) | std::uint32_t(bytes[at + 1]) << 8U | std::uint32_t(bytes[at + 2]) << 16U |
          std::uint32_t(bytes[at + 3]) << 24U;
@@ -97,26 +103,39 @@ GlbChunks split_glb(Document& document, std::span<const std::uint8_t> file) {
   return chunks;
 }
 
-json parse(const Document& document, std::span<const std::uint8_t> text) {
+// Deepest nesting of brackets outside strings. The parser's own callback could tell as well, at a
+// cost that grows with the square of the longest array.
+int nesting(std::span<const std::uint8_t> text) {
+  int depth = 0;
   int deepest = 0;
-  const auto limit_depth = [&deepest](int depth, json::parse_event_t, json&) {
-    deepest = std::max(deepest, depth);
-    return depth <= max_json_depth;
-  };
-  json result;
-  std::string cause;
-  try {
-    result = json::parse(text.begin(), text.end(), limit_depth);
-  } catch (const json::exception& error) {
-    cause = error.what();
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = static_cast<char>(text[i]);
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '[' || c == '{') {
+      deepest = std::max(deepest, ++depth);
+    } else if (c == ']' || c == '}') {
+      --depth;
+    }
   }
-  // "[json.exception.parse_error.101] parse error at line 1, ..."
-  if (!cause.empty())
+  return deepest;
+}
+
+json parse(const Document& document, std::span<const std::uint8_t> text) {
+  if (nesting(text) > max_json_depth)
+    document.fail(fmt::format("JSON is nested deeper than {} levels", max_json_depth), "the file is damaged");
+  try {
+    return json::parse(text.begin(), text.end());
+  } catch (const json::exception& error) {
+    // "[json.exception.parse_error.101] parse error at line 1, ..."
+    const std::string cause = error.what();
     document.fail("is not JSON: " + cause.substr(std::min(cause.find("] ") + 2, cause.size())),
                   "the file is damaged or of another kind");
-  if (deepest > max_json_depth)
-    document.fail(fmt::format("JSON is nested deeper than {} levels", max_json_depth), "the file is damaged");
-  return result;
+  }
 }
 
 std::string percent_decoded(const std::string& uri) {
@@ -164,10 +183,12 @@ Document::Document() = default;
 Document::~Document() = default;
 
 void Document::fail(const std::string& cause, const std::string& remedy) const {
-  throw Error(one_line(path), one_line(cause), one_line(remedy));
+  throw Error(one_line(path), clipped(one_line(cause)), one_line(remedy));
 }
 
-void Document::warn(const std::string& message) { warnings.push_back(one_line(path + ": " + message)); }
+void Document::warn(const std::string& message) {
+  warnings.push_back(one_line(path) + ": " + clipped(one_line(message)));
+}
 
 void read_json(Document& document) {
   std::vector<std::uint8_t> file;

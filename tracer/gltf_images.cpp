@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <tbb/parallel_for.h>
+#include <zlib.h>
 
 #include "tracer/gltf_materials.h"
 
@@ -31,13 +32,34 @@ const char* file_extension(std::span<const std::uint8_t> bytes) {
   return nullptr;
 }
 
+std::size_t big_endian(std::span<const std::uint8_t> bytes, std::size_t at, std::size_t count) {
+  std::size_t value = 0;
+  for (std::size_t i = 0; i < count; ++i) value = value << 8U | bytes[at + i];
+  return value;
+}
+
 // libjpeg fills what is missing with grey and calls it a success; the end-of-image marker tells.
+// Segments in front of the scan are stepped over, as a thumbnail in one may have an end of its own.
 bool jpeg_is_complete(std::span<const std::uint8_t> bytes) {
-  while (bytes.size() > 2 && bytes.back() == 0) bytes = bytes.first(bytes.size() - 1);
-  const std::size_t tail = std::min<std::size_t>(bytes.size(), 4096);
-  const auto end = bytes.last(tail);
-  for (std::size_t i = 0; i + 1 < end.size(); ++i)
-    if (end[i] == 0xFF && end[i + 1] == 0xD9) return true;
+  constexpr std::uint8_t start_of_scan = 0xDA;
+  std::size_t at = 2;
+  while (at + 4 <= bytes.size() && bytes[at] == 0xFF && bytes[at + 1] != start_of_scan)
+    at += bytes[at + 1] == 0xFF ? 1 : 2 + big_endian(bytes, at + 2, 2);
+  for (; at + 1 < bytes.size(); ++at)
+    if (bytes[at] == 0xFF && bytes[at + 1] == 0xD9) return true;
+  return false;
+}
+
+// All chunks are there with their checksums. libpng would find out as well, but prints what it finds.
+bool png_is_sound(std::span<const std::uint8_t> bytes) {
+  for (std::size_t at = 8; at + 12 <= bytes.size();) {
+    const std::size_t length = big_endian(bytes, at, 4);
+    if (length > bytes.size() - at - 12) return false;
+    const uLong sum = crc32(0, &bytes[at + 4], uInt(length + 4));
+    if (sum != big_endian(bytes, at + 8 + length, 4)) return false;
+    if (starts_with(bytes, at + 4, "IEND")) return true;
+    at += length + 12;
+  }
   return false;
 }
 
@@ -60,6 +82,8 @@ void expand_to_rgba(std::vector<std::uint8_t>& pixels, std::size_t count, int ch
 std::string decode_image(std::span<const std::uint8_t> bytes, Image& image) {
   const char* extension = file_extension(bytes);
   if (extension == nullptr) return "is neither PNG nor JPEG nor WebP";
+  if (extension == std::string_view("png") && !png_is_sound(bytes)) return "is cut off or damaged";
+  if (extension == std::string_view("jpg") && !jpeg_is_complete(bytes)) return "is cut off";
   OIIO::Filesystem::IOMemReader reader(const_cast<std::uint8_t*>(bytes.data()), bytes.size());
   const std::string name = std::string("image.") + extension;
   OIIO::ImageSpec config;
@@ -75,7 +99,6 @@ std::string decode_image(std::span<const std::uint8_t> bytes, Image& image) {
   if (pixels > bytes.size() * max_pixels_per_byte)
     return fmt::format("claims {} x {} pixels in {} bytes", spec.width, spec.height, bytes.size());
   if (spec.nchannels < 1 || spec.nchannels > 4) return fmt::format("has {} channels", spec.nchannels);
-  if (extension == std::string_view("jpg") && !jpeg_is_complete(bytes)) return "is cut off";
 
   image.width = spec.width;
   image.height = spec.height;

@@ -29,6 +29,8 @@ struct Attributes {
   const tinygltf::Primitive& primitive;
   std::optional<DracoMesh> draco;
   std::string what;
+  // The vertices that the triangles span: many files keep all primitives in one long array.
+  Range range{};
 
   bool has(const std::string& name) const { return primitive.attributes.contains(name); }
   const tinygltf::Accessor& accessor(const std::string& name) const {
@@ -38,6 +40,9 @@ struct Attributes {
   template <class Vector, int n>
   std::vector<Vector> read(const std::string& name) const {
     const std::string user = what + " " + name;
+    const std::size_t vertices = accessor("POSITION").count;
+    if (accessor(name).count != vertices)
+      document.fail(fmt::format("{} of {} vertices but POSITION of {}", user, accessor(name).count, vertices), remedy);
     if (draco && draco->has(name)) {
       const std::vector<float> floats = draco->floats(document, name, n);
       std::vector<Vector> result(floats.size() / n);
@@ -45,9 +50,9 @@ struct Attributes {
       return result;
     }
     const int index = primitive.attributes.at(name);
-    if constexpr (n == 2) return read_vec2(document, index, user);
-    if constexpr (n == 3) return read_vec3(document, index, user);
-    if constexpr (n == 4) return read_vec4(document, index, user);
+    if constexpr (n == 2) return read_vec2(document, index, user, range);
+    if constexpr (n == 3) return read_vec3(document, index, user, range);
+    if constexpr (n == 4) return read_vec4(document, index, user, range);
   }
 };
 
@@ -70,12 +75,6 @@ void check_format(const Attributes& attributes, const std::string& name) {
                              remedy);
 }
 
-void check_count(const Attributes& attributes, std::size_t count, std::size_t vertices, const std::string& name) {
-  if (count != vertices)
-    attributes.document.fail(
-        fmt::format("{} has {} of {} vertices but POSITION of {}", attributes.what, name, count, vertices), remedy);
-}
-
 // glTF 2.0, section 3.7.2.1: the corners of triangle i of strips and fans.
 std::vector<Triangle> triangulate(const std::vector<std::uint32_t>& v, int mode) {
   std::vector<Triangle> triangles;
@@ -94,13 +93,17 @@ std::vector<Triangle> triangulate(const std::vector<std::uint32_t>& v, int mode)
   return triangles;
 }
 
-void read_triangles(Document& document, const Attributes& attributes, int mode, Mesh& mesh) {
-  const std::size_t vertices = mesh.positions.size();
+void read_triangles(Document& document, Attributes& attributes, int mode, Mesh& mesh) {
+  const std::size_t vertices = attributes.accessor("POSITION").count;
   std::vector<std::uint32_t> indices;
   if (attributes.draco) {
     // Draco's own triangles, whatever mode the primitive was before compression (the extension
     // allows strips, which then only say how the triangles were stored).
     indices = attributes.draco->indices();
+    if (attributes.draco->vertex_count() != vertices)
+      document.fail(fmt::format("{} has {} vertices in its Draco data but accessors of {}", attributes.what,
+                                attributes.draco->vertex_count(), vertices),
+                    remedy);
     mode = TINYGLTF_MODE_TRIANGLES;
   } else if (attributes.primitive.indices >= 0) {
     indices = read_indices(document, attributes.primitive.indices, attributes.what + " indices");
@@ -113,6 +116,11 @@ void read_triangles(Document& document, const Attributes& attributes, int mode, 
       document.fail(fmt::format("{} has index {} but {} vertices", attributes.what, index, vertices), remedy);
   if (mode == TINYGLTF_MODE_TRIANGLES && indices.size() % 3 != 0)
     document.warn(fmt::format("{} ends with a part of a triangle, which is dropped", attributes.what));
+  if (!attributes.draco && !indices.empty()) {
+    const auto [low, high] = std::minmax_element(indices.begin(), indices.end());
+    attributes.range = {*low, std::size_t(*high) - *low + 1};
+    for (std::uint32_t& index : indices) index -= std::uint32_t(attributes.range.first);
+  }
   mesh.triangles = triangulate(indices, mode);
 }
 
@@ -122,7 +130,7 @@ void apply_morph_targets(Document& document, const Attributes& attributes, const
   const auto& targets = attributes.primitive.targets;
   for (std::size_t t = 0; t < targets.size(); ++t)
     for (const auto& [name, accessor] : targets[t])
-      if (document.model.accessors[std::size_t(accessor)].count != mesh.positions.size())
+      if (document.model.accessors[std::size_t(accessor)].count != attributes.accessor("POSITION").count)
         document.fail(fmt::format("{} has {} of target {} for another number of vertices", attributes.what, name, t),
                       remedy);
   for (std::size_t t = 0; t < targets.size() && t < weights.size(); ++t) {
@@ -131,8 +139,8 @@ void apply_morph_targets(Document& document, const Attributes& attributes, const
     const auto displace = [&](const char* name, auto& base) {
       const auto found = targets[t].find(name);
       if (found == targets[t].end() || base.empty()) return;
-      const std::vector<V3f> delta =
-          read_vec3(document, found->second, fmt::format("{} target {} {}", attributes.what, t, name));
+      const std::vector<V3f> delta = read_vec3(
+          document, found->second, fmt::format("{} target {} {}", attributes.what, t, name), attributes.range);
       for (std::size_t i = 0; i < delta.size(); ++i) {
         base[i].x += weight * delta[i].x;
         base[i].y += weight * delta[i].y;
@@ -213,7 +221,6 @@ void read_colors(Document& document, const Attributes& attributes, Mesh& mesh) {
   } else {
     mesh.colors = attributes.read<V4f, 4>("COLOR_0");
   }
-  check_count(attributes, mesh.colors.size(), mesh.positions.size(), "COLOR_0");
   std::size_t outside = 0;
   for (V4f& c : mesh.colors) {
     const V4f inside(std::clamp(c.x, 0.0F, 1.0F), std::clamp(c.y, 0.0F, 1.0F), std::clamp(c.z, 0.0F, 1.0F),
@@ -239,7 +246,6 @@ void read_uvs(Document& document, const Attributes& attributes, std::vector<Mate
     check_format(attributes, name);
     if (std::size_t(set) >= mesh.uvs.size()) mesh.uvs.resize(std::size_t(set) + 1);
     mesh.uvs[std::size_t(set)] = attributes.read<V2f, 2>(name);
-    check_count(attributes, mesh.uvs[std::size_t(set)].size(), mesh.positions.size(), name);
   }
   if (lacking.empty()) return;
   Material reduced = materials[std::size_t(mesh.material)];
@@ -275,13 +281,11 @@ std::optional<Mesh> make_mesh(Document& document, std::size_t mesh_index, std::s
   mesh.name = source.name.empty() ? fmt::format("meshes[{}]", mesh_index) : source.name;
   mesh.material = primitive.material >= 0 ? primitive.material : default_material;
   check_format(attributes, "POSITION");
-  mesh.positions = attributes.read<V3f, 3>("POSITION");
   read_triangles(document, attributes, mode, mesh);
-  const std::size_t vertices = mesh.positions.size();
+  mesh.positions = attributes.read<V3f, 3>("POSITION");
   if (attributes.has("NORMAL")) {
     check_format(attributes, "NORMAL");
     mesh.normals = attributes.read<V3f, 3>("NORMAL");
-    check_count(attributes, mesh.normals.size(), vertices, "NORMAL");
   }
   if (attributes.has("COLOR_0")) {
     check_format(attributes, "COLOR_0");
@@ -294,7 +298,6 @@ std::optional<Mesh> make_mesh(Document& document, std::size_t mesh_index, std::s
   if (normal_mapped && attributes.has("TANGENT") && !mesh.normals.empty()) {
     check_format(attributes, "TANGENT");
     mesh.tangents = attributes.read<V4f, 4>("TANGENT");
-    check_count(attributes, mesh.tangents.size(), vertices, "TANGENT");
   }
   apply_morph_targets(document, attributes, source.weights, mesh);
   if (!primitive.targets.empty()) document.warn(what + " is morphed; its rest pose is taken");

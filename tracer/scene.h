@@ -87,7 +87,9 @@ struct Mesh {
   int material = no_index;  // always valid in a loaded scene; the loader adds a default material
 };
 
-// A placed mesh. Points are Imath row vectors: p_world = p * to_world.
+// A placed mesh. Points are Imath row vectors: p_world = p * to_world. A triangle's front is where its
+// corners run counter-clockwise in the mesh's own space; where the determinant is negative (a mirror)
+// they run clockwise in world space, so the world normal is cross(e1, e2) times the determinant's sign.
 struct Instance {
   int mesh = no_index;
   M44f to_world;
