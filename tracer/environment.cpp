@@ -8,6 +8,7 @@
 #include <OpenImageIO/imageio.h>
 
 #include "grid/error.h"
+#include "grid/memory.h"
 
 namespace ivory {
 
@@ -32,19 +33,13 @@ EnvironmentMap load_environment(const std::string& path) {
                 "is " + std::to_string(spec.width) + " x " + std::to_string(spec.height) +
                     ", a lat-long map is twice as wide as high",
                 "convert it to lat-long first");
-  // Alias tables and texel indices are 32 bits wide; 32768 x 16384 is far above any map in use.
-  if (spec.width > 32768) throw Error(path, "is wider than 32768 texels", "scale it down");
-
   const auto texels = std::size_t(spec.width) * std::size_t(spec.height);
   const int channels = spec.nchannels >= 3 ? 3 : 1;
-  std::vector<float> data;
+  // Read as floats, kept as RGB, and sampled through a table and its weights.
+  check_memory(path, double(texels) * (4.0 * channels + 12 + 8 + 16), "scale it down");
+  std::vector<float> data(texels * std::size_t(channels));
   EnvironmentMap map;
-  try {
-    data.resize(texels * std::size_t(channels));
-    map.radiance.resize(texels);
-  } catch (const std::bad_alloc&) {
-    throw Error(path, "does not fit into memory", "scale it down");
-  }
+  map.radiance.resize(texels);
   if (!input->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, data.data()))
     throw Error(path, "is damaged (" + input->geterror() + ")", "export it again");
 

@@ -12,6 +12,7 @@
 
 #include "grid/error.h"
 #include "grid/io_file.h"
+#include "grid/memory.h"
 
 namespace ivory {
 
@@ -109,13 +110,9 @@ Film read_image(const std::string& path) {
   film.width = spec.width;
   film.height = spec.height;
   const auto count = std::size_t(spec.width) * std::size_t(spec.height);
-  std::vector<float> data;
-  try {
-    data.resize(count * std::size_t(channels));
-    film.pixels.resize(count);
-  } catch (const std::bad_alloc&) {
-    throw Error(path, "does not fit into memory", "scale it down");
-  }
+  check_memory(path, double(count) * (4.0 * channels + 12), "scale it down");
+  std::vector<float> data(count * std::size_t(channels));
+  film.pixels.resize(count);
   if (!input->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, data.data()))
     throw Error(path, "is damaged (" + input->geterror() + ")", "write it again");
   for (std::size_t i = 0; i < count; ++i) {

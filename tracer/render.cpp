@@ -1,13 +1,12 @@
 #include "tracer/render.h"
 
 #include <atomic>
-#include <new>
 
 #include <tbb/blocked_range2d.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include "grid/error.h"
+#include "grid/memory.h"
 
 namespace ivory {
 
@@ -40,12 +39,11 @@ Film render_film(const View& view, const RenderParams& params, const RadianceFun
   Film film;
   film.width = view.width;
   film.height = view.height;
-  try {
-    film.pixels.assign(std::size_t(view.width) * std::size_t(view.height), Rgb(0, 0, 0));
-  } catch (const std::bad_alloc&) {
-    throw Error("image of " + std::to_string(view.width) + "x" + std::to_string(view.height),
-                "does not fit into memory", "choose a smaller --size");
-  }
+  const std::size_t count = std::size_t(view.width) * std::size_t(view.height);
+  // Pixels, and their copy on the way to a file.
+  check_memory("image of " + std::to_string(view.width) + "x" + std::to_string(view.height), double(count) * 24,
+               "choose a smaller --size");
+  film.pixels.assign(count, Rgb(0, 0, 0));
   std::atomic<std::size_t> done{0};
   constexpr int tile = 16;
   const auto render_tile = [&](const tbb::blocked_range2d<int>& range) {
