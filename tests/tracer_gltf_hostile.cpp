@@ -77,12 +77,38 @@ std::string read_file(const std::string& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
+void set_word(std::string& text, std::size_t at, std::size_t value) {
+  for (std::size_t i = 0; i < 4; ++i) text[at + i] = static_cast<char>(value >> (8 * i) & 0xFFU);
+}
+
 TEST(GltfHostile, CutOffAnywhere) {
-  const std::string path = make_rich_document().write("rich");
+  const GltfBuilder rich = make_rich_document();
+  const std::string path = rich.write("rich");
   ASSERT_EQ(error_of(path), "");
   const std::string whole = read_file(path);
-  for (std::size_t length = 0; length < whole.size(); ++length)
+  for (std::size_t length = 0; length < whole.size(); length += 37)
     EXPECT_NE(error_of_text(whole.substr(0, length), "cut.glb"), "") << length;
+
+  // The same with lengths that agree with the cut, so that it is found further in.
+  const std::size_t json_end = 20 + (whole.find("BIN") - 4 - 20);
+  for (std::size_t length = json_end - 4; length > 20; length -= 4) {
+    std::string cut = whole.substr(0, length);
+    set_word(cut, 8, length);
+    set_word(cut, 12, length - 20);
+    EXPECT_NE(error_of_text(cut, "cut.glb").find("not JSON"), std::string::npos) << length;
+  }
+  for (std::size_t length = whole.size() - 4; length >= json_end + 8; length -= 4) {
+    std::string cut = whole.substr(0, length);
+    set_word(cut, 8, length);
+    set_word(cut, json_end, length - json_end - 8);
+    EXPECT_NE(error_of_text(cut, "cut.glb").find("buffers[0]"), std::string::npos) << length;
+  }
+  // Buffers that agree as well: now views reach beyond them.
+  for (std::size_t size = 1; size < rich.bytes.size(); size += 5) {
+    GltfBuilder cut = rich;
+    cut.bytes.resize(size);
+    EXPECT_NE(error_of(cut.write("cut")).find("behind its buffer"), std::string::npos) << size;
+  }
 }
 
 TEST(GltfHostile, BytesTurnedOver) {

@@ -95,6 +95,19 @@ TEST(GltfMaterials, TextureTransformsPointTheArrowAtTheSamplesMarks) {
   EXPECT_EQ(scene.textures[0].wrap_s, Wrap::clamp_to_edge);
 }
 
+// A quarter turn counter-clockwise takes "right" (1, 0) to "up", which is (0, -1) where v points down.
+TEST(GltfMaterials, TextureRotationIsCounterClockwiseAndComesAfterScale) {
+  write_png("white.png", 1, 1, 3, {255, 255, 255});
+  GltfBuilder builder = textured({{"uri", "white.png"}});
+  builder.use_extension("KHR_texture_transform");
+  builder.root["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]["KHR_texture_transform"] = {
+      {"rotation", 1.5707963267948966}, {"scale", {2, 3}}, {"offset", {10, 20}}};
+  const auto m = load(builder.write("texture_rotation")).scene.materials[0].base_color_texture.uv_transform;
+  // (1, 0): scaled to (2, 0), turned to (0, -2). (0, 1): scaled to (0, 3), turned to (3, 0).
+  const std::array<float, 6> expected{0, 3, 10, -2, 0, 20};
+  for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR(m[i], expected[i], 1e-6) << i;
+}
+
 TEST(GltfMaterials, AllFieldsArrive) {
   GltfBuilder builder = textured({{"uri", "all_fields.png"}});
   write_png("all_fields.png", 1, 1, 3, {255, 255, 255});
