@@ -119,16 +119,33 @@ void restrict_footprint(const IrradianceGrid& grid, std::uint64_t visible, Footp
   if (!keep_and_renormalise(footprint, seen)) keep_and_renormalise(footprint, stored);
 }
 
-Rgb irradiance(const IrradianceGrid& grid, const Footprint& footprint, const V3f& n, Reconstruction reconstruction) {
-  std::array<float, max_functions * 3> moments{};
-  const int stride = grid.stride();
-  for (int entry = 0; entry < footprint.count; ++entry) {
-    const float weight = footprint.weight[std::size_t(entry)];
-    if (weight == 0) continue;
-    const float* vertex = grid.at(footprint.vertex[std::size_t(entry)]);
-    for (int i = 0; i < stride; ++i) moments[std::size_t(i)] += weight * vertex[i];
+namespace {
+
+// A stride known at compile time lets the sum stay in vector registers.
+template <std::size_t stride>
+Rgb irradiance_of(const IrradianceGrid& grid, const Footprint& footprint, const V3f& n, Reconstruction reconstruction) {
+  std::array<float, stride> moments{};
+  for (std::size_t entry = 0; entry < std::size_t(footprint.count); ++entry) {
+    const float weight = footprint.weight[entry];
+    const float* vertex = grid.moments.data() + footprint.vertex[entry] * stride;
+    for (std::size_t i = 0; i < stride; ++i) moments[i] += weight * vertex[i];
   }
   return irradiance(grid.basis, reconstruction, moments.data(), grid.frame.direction_to_local(n));
+}
+
+}  // namespace
+
+Rgb irradiance(const IrradianceGrid& grid, const Footprint& footprint, const V3f& n, Reconstruction reconstruction) {
+  switch (function_count(grid.basis)) {
+    case 12:
+      return irradiance_of<36>(grid, footprint, n, reconstruction);
+    case 9:
+      return irradiance_of<27>(grid, footprint, n, reconstruction);
+    case 6:
+      return irradiance_of<18>(grid, footprint, n, reconstruction);
+    default:
+      return irradiance_of<12>(grid, footprint, n, reconstruction);
+  }
 }
 
 Rgb irradiance_standard_error(const IrradianceGrid& grid, const Footprint& footprint) {

@@ -9,8 +9,10 @@
 
 #include "tools/commands.h"
 #include "tools/common.h"
+#include "tracer/bench_lookup.h"
 #include "tracer/bench_tracer.h"
 #include "tracer/gltf_loader.h"
+#include "tracer/grid_baker.h"
 
 namespace ivory {
 namespace {
@@ -79,6 +81,50 @@ void run(const BenchOptions& options, const CommonOptions& common) {
   print_result(common, {{"threads", params.threads}, {"scenes", results}}, text);
 }
 
+struct LookupBenchOptions {
+  std::string scene;
+  std::string resolution = "32,32,32";
+  std::uint64_t photons = 1'000'000;
+  bool tricubic = false;
+};
+
+void run_lookup(const LookupBenchOptions& options, const CommonOptions& common) {
+  const Scene scene = load_gltf(options.scene).scene;
+  const Intersector intersector(scene);
+  const Lights lights(scene, intersector);
+  GridBakeParams bake;
+  bake.resolution = parse_size3("--resolution", options.resolution, 2);
+  bake.photons = options.photons;
+  bake.threads = thread_count(common);
+  const IrradianceGrid grid = finish(bake_grid_sums(intersector, lights, bake));
+  LookupParams lookup;
+  if (options.tricubic) lookup.interpolation = Interpolation::tricubic;
+  const LookupBench bench = bench_lookup(grid, intersector, lookup);
+  print_result(
+      common,
+      {{"scene", scene.name},
+       {"lookup_off_ns", bench.off_ns},
+       {"lookup_planes_ns", bench.planes_ns},
+       {"lookup_rays_ns", bench.rays_ns},
+       {"occlusion_ray_ns", bench.occlusion_ray_ns}},
+      fmt::format("{}: a look-up takes {:.0f} ns without guard, {:.0f} ns with the stored planes, {:.0f} ns with "
+                  "rays; one short occlusion ray takes {:.0f} ns\n",
+                  scene.name, bench.off_ns, bench.planes_ns, bench.rays_ns, bench.occlusion_ray_ns));
+}
+
+void add_lookup_bench(CLI::App& bench, CommonOptions& common) {
+  CLI::App* command = bench.add_subcommand(
+      "lookup",
+      "Time of one grid look-up (spatial and directional interpolation) on one thread, with each leak guard.");
+  auto options = std::make_shared<LookupBenchOptions>();
+  command->add_option("SCENE", options->scene, "glTF file to bake and look up")->required();
+  command->add_option("--resolution", options->resolution, "Grid vertices")->capture_default_str();
+  add_count_option(*command, "--photons", options->photons, "Photons of the bake");
+  command->add_flag("--tricubic", options->tricubic, "Tricubic instead of trilinear");
+  command->footer("Example:\n  ivory bench lookup scenes/cornell_box.gltf");
+  set_action(*command, common, Output::none, [options, &common] { run_lookup(*options, common); });
+}
+
 }  // namespace
 
 void add_bench_command(CLI::App& app, CommonOptions& common) {
@@ -98,6 +144,7 @@ void add_bench_command(CLI::App& app, CommonOptions& common) {
   add_count_option(*tracer, "--triangles", options->triangles, "Triangles of the built-in mesh");
   tracer->footer("Example:\n  ivory bench tracer scenes/cornell_box.gltf --json");
   set_action(*tracer, common, Output::none, [options, &common] { run(*options, common); });
+  add_lookup_bench(*bench, common);
 }
 
 }  // namespace ivory
