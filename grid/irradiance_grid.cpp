@@ -149,13 +149,12 @@ Rgb irradiance(const IrradianceGrid& grid, const Footprint& footprint, const V3f
 }
 
 Rgb irradiance_standard_error(const IrradianceGrid& grid, const Footprint& footprint) {
-  Rgb error(0, 0, 0);
+  Rgb variance(0, 0, 0);
   for (int entry = 0; entry < footprint.count; ++entry) {
-    const Rgb& variance = grid.variance[footprint.vertex[std::size_t(entry)]];
-    error +=
-        Rgb(std::sqrt(variance.x), std::sqrt(variance.y), std::sqrt(variance.z)) * footprint.weight[std::size_t(entry)];
+    const float weight = footprint.weight[std::size_t(entry)];
+    variance += grid.variance[footprint.vertex[std::size_t(entry)]] * (weight * weight);
   }
-  return error;
+  return {std::sqrt(variance.x), std::sqrt(variance.y), std::sqrt(variance.z)};
 }
 
 }  // namespace ivory

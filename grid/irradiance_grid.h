@@ -82,8 +82,8 @@ void restrict_footprint(const IrradianceGrid& grid, std::uint64_t visible, Footp
 // E(n), n a unit world vector, from an (already restricted) footprint: lux per channel.
 Rgb irradiance(const IrradianceGrid& grid, const Footprint& footprint, const V3f& n, Reconstruction reconstruction);
 
-// Standard error of that E, lux per channel: neighbouring vertices share photons, so their errors
-// are taken as fully correlated.
+// Standard error of that E from photon noise, lux per channel. Vertices are taken as independent: a photon
+// passes few of the vertices around one point.
 Rgb irradiance_standard_error(const IrradianceGrid& grid, const Footprint& footprint);
 
 }  // namespace ivory
