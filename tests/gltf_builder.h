@@ -60,6 +60,8 @@ struct GltfBuilder {
     return IVORY_TEST_DATA_DIR;
   }
   static void write_file(const std::string& path, const std::string& content) {
+    // Truncating an existing file makes some file systems wait for the disk at each close.
+    std::filesystem::remove(path);
     std::ofstream(path, std::ios::binary) << content;
   }
   static std::string glb(const std::string& json_text, const std::string& binary) {
