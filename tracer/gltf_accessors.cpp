@@ -10,8 +10,6 @@
 namespace ivory::gltf {
 namespace {
 
-constexpr const char* remedy = "export the file again, or check it with the Khronos glTF validator";
-
 std::size_t component_bytes(int component_type) {
   return std::size_t(tinygltf::GetComponentSizeInBytes(std::uint32_t(component_type)));
 }

@@ -12,7 +12,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* remedy = "the file is damaged; export it again";
+constexpr const char* damaged = "the file is damaged; export it again";
 
 std::span<const std::uint8_t> part(const Document& document, const json& view, const std::string& what) {
   const std::size_t buffer = view["buffer"];
@@ -20,7 +20,7 @@ std::span<const std::uint8_t> part(const Document& document, const json& view, c
   const std::uint64_t length = view["byteLength"];
   const std::uint64_t size = element(document, "buffers", buffer)["byteLength"];
   if (offset > size || length > size - offset)
-    document.fail(fmt::format("{} ends {} bytes behind its buffer", what, offset + length - size), remedy);
+    document.fail(fmt::format("{} ends {} bytes behind its buffer", what, offset + length - size), damaged);
   // A placeholder: whoever needs the view says that it has no data.
   if (document.buffers[buffer].empty()) return {};
   return document.buffers[buffer].subspan(offset, length);
@@ -45,21 +45,22 @@ CompressedView check_compressed(const Document& document, std::size_t index, con
                         extension.value("filter", std::string("NONE"))};
   const std::size_t count = result.count;
   const std::size_t stride = result.stride;
-  if (result.source.empty()) document.fail(what + " has no compressed data", remedy);
+  if (result.source.empty()) document.fail(what + " has no compressed data", damaged);
   const bool attributes = result.mode == "ATTRIBUTES";
   if (attributes ? stride % 4 != 0 : stride != 2 && stride != 4)
-    document.fail(fmt::format("{} is compressed with a stride of {} bytes", what, stride), remedy);
-  if (result.mode == "TRIANGLES" && count % 3 != 0) document.fail(what + " holds a part of a triangle", remedy);
+    document.fail(fmt::format("{} is compressed with a stride of {} bytes", what, stride), damaged);
+  if (result.mode == "TRIANGLES" && count % 3 != 0) document.fail(what + " holds a part of a triangle", damaged);
   const bool filter_fits = result.filter == "NONE" || (attributes && (result.filter == "EXPONENTIAL" ||
                                                                       (result.filter == "QUATERNION" && stride == 8) ||
                                                                       (result.filter == "OCTAHEDRAL" && stride <= 8)));
-  if (!filter_fits) document.fail(fmt::format("{} has filter {} where it does not apply", what, result.filter), remedy);
+  if (!filter_fits)
+    document.fail(fmt::format("{} has filter {} where it does not apply", what, result.filter), damaged);
   if (count * stride != view["byteLength"].get<std::uint64_t>())
-    document.fail(what + " has a byteLength other than count x byteStride", remedy);
+    document.fail(what + " has a byteLength other than count x byteStride", damaged);
   // The vertex codec spends at least two bits on sixteen bytes, the index codecs a byte on three
   // indices: what claims to be more is not worth trying (and would not fit into memory).
   if (count * stride > 64 * result.source.size() + 65536)
-    document.fail(what + " claims to unpack to more than its compressed bytes can hold", remedy);
+    document.fail(what + " claims to unpack to more than its compressed bytes can hold", damaged);
   return result;
 }
 
@@ -101,12 +102,12 @@ void read_buffers(Document& document) {
     if (bytes.empty() && !buffer.contains("uri")) {
       // Filled by an extension, or never; whoever needs it says so. The first of a GLB has no excuse.
       if (index == 0 && document.is_glb && find_extension(buffer, "EXT_meshopt_compression") == nullptr)
-        document.fail(what + " should be the binary chunk, which the GLB lacks", remedy);
+        document.fail(what + " should be the binary chunk, which the GLB lacks", damaged);
       document.buffers.emplace_back();
       continue;
     }
     if (length > bytes.size())
-      document.fail(fmt::format("{} says {} bytes but has {}", what, length, bytes.size()), remedy);
+      document.fail(fmt::format("{} says {} bytes but has {}", what, length, bytes.size()), damaged);
     document.buffers.push_back(bytes.first(length));
   }
 
@@ -125,7 +126,7 @@ void read_buffers(Document& document) {
                     [&](std::size_t i) { good[i] = decode(compressed[i], decoded[i]) ? 1 : 0; });
   for (std::size_t i = 0; i < compressed.size(); ++i) {
     if (good[i] == 0)
-      document.fail(fmt::format("bufferViews[{}] has damaged meshopt data", compressed[i].view), remedy);
+      document.fail(fmt::format("bufferViews[{}] has damaged meshopt data", compressed[i].view), damaged);
     document.storage.push_back(std::move(decoded[i]));
     document.views[compressed[i].view] = document.storage.back();
   }

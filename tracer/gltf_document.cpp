@@ -67,34 +67,34 @@ struct GlbChunks {
 
 // glTF 2.0, section 4.4: a 12 byte header, then chunks of length, type, data.
 GlbChunks split_glb(Document& document, std::span<const std::uint8_t> file) {
-  const char* const remedy = "the file is damaged; export it again";
-  if (file.size() < 12) document.fail("GLB header is cut off", remedy);
+  const char* const damaged = "the file is damaged; export it again";
+  if (file.size() < 12) document.fail("GLB header is cut off", damaged);
   const std::uint32_t version = read_u32(file, 4);
   const std::uint32_t length = read_u32(file, 8);
   if (version != 2) document.fail(fmt::format("GLB version is {}", version), "ivory reads version 2; export it again");
-  if (length > file.size()) document.fail(fmt::format("GLB says {} bytes but has {}", length, file.size()), remedy);
-  if (length < 12 + 8) document.fail(fmt::format("GLB says {} bytes, too few for any chunk", length), remedy);
+  if (length > file.size()) document.fail(fmt::format("GLB says {} bytes but has {}", length, file.size()), damaged);
+  if (length < 12 + 8) document.fail(fmt::format("GLB says {} bytes, too few for any chunk", length), damaged);
   if (length < file.size())
     document.warn(fmt::format("{} bytes behind the end of the GLB are ignored", file.size() - length));
 
   GlbChunks chunks;
   std::size_t at = 12;
   for (int number = 0; at < length; ++number) {
-    if (length - at < 8) document.fail("GLB chunk header is cut off", remedy);
+    if (length - at < 8) document.fail("GLB chunk header is cut off", damaged);
     const std::uint32_t size = read_u32(file, at);
     const std::uint32_t type = read_u32(file, at + 4);
     at += 8;
-    if (size > length - at) document.fail(fmt::format("GLB chunk {} is cut off", number), remedy);
-    if (size % 4 != 0) document.fail(fmt::format("GLB chunk {} has a length that 4 does not divide", number), remedy);
+    if (size > length - at) document.fail(fmt::format("GLB chunk {} is cut off", number), damaged);
+    if (size % 4 != 0) document.fail(fmt::format("GLB chunk {} has a length that 4 does not divide", number), damaged);
     const auto data = file.subspan(at, size);
     at += size;
     if (number == 0) {
-      if (type != json_chunk) document.fail("first GLB chunk is not JSON", remedy);
+      if (type != json_chunk) document.fail("first GLB chunk is not JSON", damaged);
       chunks.json = data;
     } else if (type == json_chunk) {
-      document.fail("GLB has two JSON chunks", remedy);
+      document.fail("GLB has two JSON chunks", damaged);
     } else if (type == bin_chunk) {
-      if (number != 1) document.fail("GLB has a binary chunk that is not its second", remedy);
+      if (number != 1) document.fail("GLB has a binary chunk that is not its second", damaged);
       chunks.bin = data;
     } else {
       document.warn(fmt::format("GLB chunk {} of unknown type is ignored", number));
@@ -158,7 +158,6 @@ std::string percent_decoded(const std::string& uri) {
 }
 
 std::vector<std::uint8_t> decode_data_uri(const Document& document, const std::string& uri, const std::string& what) {
-  const char* const remedy = "export the file again";
   const std::size_t comma = uri.find(',');
   if (comma == std::string::npos) document.fail(what + " has a data URI without data", remedy);
   if (!std::string_view(uri).substr(0, comma).ends_with(";base64")) {
@@ -182,8 +181,8 @@ std::vector<std::uint8_t> decode_data_uri(const Document& document, const std::s
 Document::Document() = default;
 Document::~Document() = default;
 
-void Document::fail(const std::string& cause, const std::string& remedy) const {
-  throw Error(one_line(path), clipped(one_line(cause)), one_line(remedy));
+void Document::fail(const std::string& cause, const std::string& advice) const {
+  throw Error(one_line(path), clipped(one_line(cause)), one_line(advice));
 }
 
 void Document::warn(const std::string& message) {

@@ -12,6 +12,9 @@
 
 namespace ivory::gltf {
 
+// What to do about a file that breaks the specification.
+inline constexpr const char* remedy = "export the file again, or check it with the Khronos glTF validator";
+
 struct Document {
   Document();
   ~Document();
@@ -35,7 +38,7 @@ struct Document {
 
   // Throws Error; control characters that names from the file may bring in are replaced, so that
   // the message stays one line.
-  [[noreturn]] void fail(const std::string& cause, const std::string& remedy) const;
+  [[noreturn]] void fail(const std::string& cause, const std::string& advice) const;
   void warn(const std::string& message);
 };
 

@@ -26,7 +26,7 @@
 namespace ivory::gltf {
 namespace {
 
-constexpr const char* remedy = "export the file again, or without Draco compression";
+constexpr const char* without_draco = "export the file again, or without Draco compression";
 
 // Vertices and faces that the header claims. Draco allocates by them before it reads on, so they
 // must be believable first. Layout: Draco bitstream specification, "Draco decoder", "Decode header",
@@ -79,17 +79,17 @@ DracoMesh::DracoMesh(const Document& document, const nlohmann::json& extension, 
   state_->accessors = primitive.attributes;
   const std::span<const std::uint8_t> bytes = document.views[extension["bufferView"].get<std::size_t>()];
   if (bytes.size() < 16 || std::string(bytes.begin(), bytes.begin() + 5) != "DRACO")
-    document.fail(what + " has no Draco data", remedy);
+    document.fail(what + " has no Draco data", without_draco);
 
   // The most regular of meshes pack to a hundred triangles a byte; far beyond that lies no mesh, but
   // memory that would be taken on the word of a damaged file.
   const std::uint64_t plausible = 2048 * std::uint64_t(bytes.size()) + 65536;
   const auto claimed = read_claimed_size(bytes);
-  if (!claimed) document.fail(what + " has a Draco stream that is damaged or older than version 2.2", remedy);
+  if (!claimed) document.fail(what + " has a Draco stream that is damaged or older than version 2.2", without_draco);
   if (claimed->vertices > plausible || claimed->faces > plausible)
     document.fail(fmt::format("{} has a Draco stream of {} bytes that claims {} vertices and {} triangles", what,
                               bytes.size(), claimed->vertices, claimed->faces),
-                  remedy);
+                  without_draco);
 
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -104,13 +104,13 @@ DracoMesh::DracoMesh(const Document& document, const nlohmann::json& extension, 
   } catch (const std::exception& error) {
     cause = error.what();
   }
-  if (!state_->mesh) document.fail(what + " has damaged Draco data: " + cause, remedy);
+  if (!state_->mesh) document.fail(what + " has damaged Draco data: " + cause, without_draco);
 
   for (const auto& [name, id] : extension["attributes"].items()) {
     const draco::PointAttribute* attribute = state_->mesh->GetAttributeByUniqueId(id.get<std::uint32_t>());
-    if (attribute == nullptr) document.fail(fmt::format("{} has no {} in its Draco data", what, name), remedy);
+    if (attribute == nullptr) document.fail(fmt::format("{} has no {} in its Draco data", what, name), without_draco);
     if (!state_->accessors.contains(name))
-      document.fail(fmt::format("{} has {} in its Draco data only", what, name), remedy);
+      document.fail(fmt::format("{} has {} in its Draco data only", what, name), without_draco);
     state_->attributes[name] = attribute;
   }
 }
@@ -137,7 +137,7 @@ std::vector<float> DracoMesh::floats(const Document& document, const std::string
   if (attribute.num_components() != components)
     document.fail(fmt::format("{} has {} with {} components in its Draco data instead of {}", state_->what, name,
                               int(attribute.num_components()), components),
-                  remedy);
+                  without_draco);
   // glTF's accessor says how integers are meant; Draco's own flag may be missing.
   float divisor = 1;
   if (accessor.normalized && !attribute.normalized()) {
@@ -164,7 +164,7 @@ std::vector<float> DracoMesh::floats(const Document& document, const std::string
                       attribute.ConvertValue<float>(value, static_cast<std::int8_t>(components), out);
     for (int k = 0; k < components; ++k) out[k] = divisor == 1 ? out[k] : std::max(out[k] / divisor, -1.0F);
     if (!good || !std::all_of(out, out + components, [](float x) { return std::isfinite(x); }))
-      document.fail(fmt::format("{} has no finite {} at vertex {}", state_->what, name, i), remedy);
+      document.fail(fmt::format("{} has no finite {} at vertex {}", state_->what, name, i), without_draco);
   }
   return result;
 }

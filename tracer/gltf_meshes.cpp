@@ -19,7 +19,6 @@ namespace {
 using nlohmann::json;
 using Triangle = Imath::Vec3<std::uint32_t>;
 
-constexpr const char* remedy = "export the file again, or check it with the Khronos glTF validator";
 // Squares of products of coordinates stay within float.
 constexpr float max_coordinate_m = 1e9F;
 

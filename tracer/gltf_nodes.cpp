@@ -17,7 +17,6 @@ namespace {
 using Imath::M44d;
 using nlohmann::json;
 
-constexpr const char* remedy = "export the file again, or check it with the Khronos glTF validator";
 constexpr float max_coordinate_m = 1e9F;
 // Below this a side of the transform counts as flattened: products of two such lengths, squared,
 // come near the end of float.
