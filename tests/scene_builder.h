@@ -66,4 +66,24 @@ inline EnvironmentMap uniform_environment(const Rgb& radiance_nits, int height =
   return map;
 }
 
+// A room with a lamp, a box that shades, and a glossy floor: every estimator has something to do.
+inline Scene small_room() {
+  Scene scene;
+  const int white = add_lambert(scene, Rgb(0.7F, 0.7F, 0.7F));
+  const int lamp = add_lambert(scene, Rgb(0, 0, 0), Rgb(20, 20, 20));
+  Material glossy;
+  glossy.base_color = Rgb(0.6F, 0.5F, 0.4F);
+  glossy.metallic = 0;
+  glossy.roughness = 0.4F;
+  scene.materials.push_back(glossy);
+  add_mesh(scene, make_room(V3f(-1, -1, -1), V3f(1, 1, 1), white));
+  add_mesh(scene, make_quad({-0.9F, -0.99F, -0.9F}, {0, 0, 1.8F}, {1.8F, 0, 0}, 2));    // floor, looks up
+  add_mesh(scene, make_quad({-0.3F, 0.98F, -0.3F}, {0.6F, 0, 0}, {0, 0, 0.6F}, lamp));  // looks down
+  Mesh box = make_room(V3f(0.1F, -0.98F, -0.4F), V3f(0.6F, -0.3F, 0.2F), white);
+  for (auto& triangle : box.triangles) std::swap(triangle.y, triangle.z);  // fronts outward
+  add_mesh(scene, box);
+  scene.lights.push_back(PointLight{V3f(-0.5F, 0.5F, 0.5F), Rgb(0.5F, 0.5F, 0.5F)});
+  return scene;
+}
+
 }  // namespace ivory
