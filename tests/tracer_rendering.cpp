@@ -377,6 +377,31 @@ TEST(FinalGather, ReflectionsShowTheGridLitRoom) {
   }
 }
 
+// Interpolated normals lean away from the eye near silhouettes; a white surface in white surroundings must
+// not show that as black.
+TEST(PathTracer, LeaningNormalsStayLit) {
+  Scene scene;
+  const int white = add_lambert(scene, Rgb(1, 1, 1));
+  Mesh mesh = make_quad({-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, white);
+  mesh.normals.assign(4, V3f(-0.6F, 0.8F, 0));
+  add_mesh(scene, mesh);
+  scene.environment = uniform_environment({1, 1, 1});
+  const Lit lit(std::move(scene));
+  for (const float height : {0.01F, 0.3F, 0.76F, 3.0F}) {
+    const Ray ray = ray_to({1, height, 0}, {0, 0, 0});
+    const auto hit = lit.intersector.closest(ray);
+    ASSERT_TRUE(hit);
+    const Surface surface = make_surface(lit.scene, ray, *hit);
+    EXPECT_GT(surface.ns.dot(-ray.direction), 0);
+    EXPECT_GT(surface.ns.dot(surface.ng), 0);
+    EXPECT_NEAR(surface.ns.length(), 1, 1e-6F);
+    // Of the cosine around ns the share (1 - ns.ng)/2 lies below ng and is lost.
+    const double lost = 0.5 * (1 - double(surface.ns.dot(surface.ng)));
+    const Accumulator l = path_samples(lit, ray, {}, 20000);
+    EXPECT_LT(std::abs(z_score(l, 1 - lost)), z_limit) << height;
+  }
+}
+
 TEST(Probe, ClosedForms) {
   Scene scene;
   const int black = add_lambert(scene, Rgb(0, 0, 0));

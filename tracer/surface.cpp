@@ -141,6 +141,12 @@ Surface make_surface(const Scene& scene, const Ray& ray, const Hit& hit) {
   surface.ns = shading_normal(scene, at, hit.ng);
   if (!surface.front) surface.ns = -surface.ns;
   if (surface.ns.dot(surface.ng) <= 0) surface.ns = surface.ng;
+  // A shading normal that faces away from the ray's origin would leave the surface black there, as specks
+  // along silhouettes: it is bent until it just faces it.
+  constexpr float least_cosine = 0.01F;
+  const float cosine = -surface.ns.dot(ray.direction);
+  if (cosine < least_cosine && -surface.ng.dot(ray.direction) > cosine)
+    surface.ns = (surface.ns - ray.direction * (least_cosine - cosine)).normalized();
 
   const Rgb base = rgb(base_color(scene, at.mesh, at.material, hit.triangle, hit.barycentric));
   if (at.material.specular_glossiness) {

@@ -9,7 +9,7 @@ namespace ivory {
 struct Surface {
   V3f p;
   V3f ng;                     // unit geometric normal, on the side that the ray came from
-  V3f ns;                     // unit shading normal (interpolated, normal-mapped), ns.ng > 0
+  V3f ns;                     // unit shading normal (interpolated, normal-mapped), ns.ng > 0, on the ray's side
   bool front = true;          // the ray met the triangle's front side
   Rgb diffuse_albedo;         // Lambertian reflectance before Fresnel's share
   Rgb specular_f0;            // reflectance of the microfacet lobe at normal incidence
