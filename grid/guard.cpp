@@ -61,27 +61,44 @@ float hidden_by(const GuardRecord& record, const V3f& u) {
   return most;
 }
 
-std::uint64_t visible_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint) {
-  if (grid.guard.empty()) return ~std::uint64_t(0);
+namespace {
+
+// Calls visit(entry, hidden) for the entries that count.
+template <typename Visit>
+void for_each_hidden(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint, const Visit& visit) {
   const V3f index = grid.frame.to_index(p);
   const auto row = std::uint32_t(grid.frame.size.x);
   const auto plane = row * std::uint32_t(grid.frame.size.y);
-  std::uint64_t visible = 0;
-  int least_bad = 0;
-  float least_hidden = std::numeric_limits<float>::max();
   for (int i = 0; i < footprint.count; ++i) {
     const std::uint32_t vertex = footprint.vertex[std::size_t(i)];
     if (footprint.weight[std::size_t(i)] == 0 || grid.visible_fraction[vertex] <= 0) continue;
     const V3f at(static_cast<float>(vertex % row), static_cast<float>(vertex % plane / row),
                  static_cast<float>(vertex / plane));
-    const float hidden = hidden_by(grid.guard[vertex], index - at);
-    if (hidden <= 0) visible |= std::uint64_t(1) << unsigned(i);
-    if (hidden < least_hidden) {
-      least_hidden = hidden;
-      least_bad = i;
-    }
+    visit(i, hidden_by(grid.guard[vertex], index - at));
   }
-  return visible != 0 ? visible : std::uint64_t(1) << unsigned(least_bad);
+}
+
+}  // namespace
+
+std::uint64_t visible_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint) {
+  if (grid.guard.empty()) return ~std::uint64_t(0);
+  std::uint64_t visible = 0;
+  for_each_hidden(grid, p, footprint, [&](int entry, float hidden) {
+    if (hidden <= 0) visible |= std::uint64_t(1) << unsigned(entry);
+  });
+  return visible;
+}
+
+std::uint64_t least_hidden_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint) {
+  if (grid.guard.empty()) return ~std::uint64_t(0);
+  std::uint64_t bit = 0;
+  float least = std::numeric_limits<float>::infinity();
+  for_each_hidden(grid, p, footprint, [&](int entry, float hidden) {
+    if (hidden >= least) return;
+    least = hidden;
+    bit = std::uint64_t(1) << unsigned(entry);
+  });
+  return bit;
 }
 
 }  // namespace ivory

@@ -23,8 +23,10 @@ std::optional<GuardPlane> unpack(std::uint32_t word);
 // vertex does not see it, very negative where no plane is set.
 float hidden_by(const GuardRecord& record, const V3f& u);
 
-// Bit i: entry i's vertex sees p (world). Where none of those that count does, the one that misses it
-// least. All ones for a grid without guard.
+// Bit i: entry i's vertex sees p (world). All ones for a grid without guard.
 std::uint64_t visible_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint);
+
+// The bit of the entry whose vertex, of those that store something, is the least hidden from p.
+std::uint64_t least_hidden_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint);
 
 }  // namespace ivory

@@ -91,32 +91,36 @@ Footprint make_footprint(const GridFrame& frame, const V3f& p, Interpolation int
   return footprint;
 }
 
-namespace {
-
-// Zeroes the weights that `keep` rejects and renormalises; false, with nothing changed, where
-// next to nothing would be left.
-template <typename Keep>
-bool keep_and_renormalise(Footprint& footprint, const Keep& keep) {
+float restrict_footprint(const IrradianceGrid& grid, std::uint64_t visible, Footprint& footprint) {
   constexpr float least_weight = 1e-4F;  // below this a renormalised weight is rounding noise
+  const auto keep = [&](int i) {
+    return ((visible >> unsigned(i)) & 1U) != 0 && grid.visible_fraction[footprint.vertex[std::size_t(i)]] > 0;
+  };
   float kept = 0;
   for (int i = 0; i < footprint.count; ++i) {
     if (keep(i)) kept += footprint.weight[std::size_t(i)];
   }
-  if (kept < least_weight) return false;
+  if (kept < least_weight) return 0;
   const float scale = 1 / kept;
   for (int i = 0; i < footprint.count; ++i) {
     float& weight = footprint.weight[std::size_t(i)];
     weight = keep(i) ? weight * scale : 0;
   }
-  return true;
+  return kept;
 }
 
-}  // namespace
-
-void restrict_footprint(const IrradianceGrid& grid, std::uint64_t visible, Footprint& footprint) {
-  const auto stored = [&](int i) { return grid.visible_fraction[footprint.vertex[std::size_t(i)]] > 0; };
-  const auto seen = [&](int i) { return ((visible >> unsigned(i)) & 1U) != 0 && stored(i); };
-  if (!keep_and_renormalise(footprint, seen)) keep_and_renormalise(footprint, stored);
+Footprint blend(const Footprint& a, const Footprint& b, float share) {
+  Footprint out;
+  const auto append = [&](const Footprint& part, float scale) {
+    for (std::size_t i = 0; i < std::size_t(part.count); ++i) {
+      if (part.weight[i] == 0) continue;
+      out.vertex[std::size_t(out.count)] = part.vertex[i];
+      out.weight[std::size_t(out.count++)] = part.weight[i] * scale;
+    }
+  };
+  append(a, share);
+  append(b, 1 - share);
+  return out;
 }
 
 namespace {

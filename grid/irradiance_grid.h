@@ -60,9 +60,9 @@ Guard guard_from_name(std::string_view name);
 
 // The vertices that a lookup reads and their interpolation weights, which add up to one.
 struct Footprint {
-  int count = 0;  // 8 trilinear, 64 tricubic
-  std::array<std::uint32_t, 64> vertex;
-  std::array<float, 64> weight;
+  int count = 0;  // 8 trilinear, 64 tricubic, 72 a blend of both
+  std::array<std::uint32_t, 72> vertex;
+  std::array<float, 72> weight;
 };
 
 struct LookupParams {
@@ -74,10 +74,13 @@ struct LookupParams {
 // Footprint of p (world); beyond the outermost vertices the nearest ones are repeated.
 Footprint make_footprint(const GridFrame& frame, const V3f& p, Interpolation interpolation);
 
-// Sets the weights of vertices that store nothing to zero, applies the visibility bits
-// (bit i of `visible` for entry i; all ones for no guard) and renormalises. Where nothing is left,
-// falls back to ignoring visibility, then to the least bad: the entry's own weights.
-void restrict_footprint(const IrradianceGrid& grid, std::uint64_t visible, Footprint& footprint);
+// Sets the weights of vertices that store nothing, and of those whose visibility bit is not set (bit i for
+// entry i; all ones for no guard), to zero and renormalises the others. Returns the share of the weight that
+// was kept: 0, and nothing changed, where next to nothing would be left.
+float restrict_footprint(const IrradianceGrid& grid, std::uint64_t visible, Footprint& footprint);
+
+// Both footprints in one, `share` of it from a; at most 72 entries together.
+Footprint blend(const Footprint& a, const Footprint& b, float share);
 
 // E(n), n a unit world vector, from an (already restricted) footprint: lux per channel.
 Rgb irradiance(const IrradianceGrid& grid, const Footprint& footprint, const V3f& n, Reconstruction reconstruction);

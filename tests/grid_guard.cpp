@@ -77,17 +77,22 @@ TEST(Footprint, HiddenAndEmptyVerticesAreLeftOut) {
   restrict_footprint(grid, visible, f);
   EXPECT_NEAR(irradiance(grid, f, V3f(0, 1, 0), Reconstruction::optimal).x, 1, 1e-6F);
 
-  // Nothing seen: the vertices that store something decide; none stores: the weights stay.
+  // Nothing seen, nothing stored: said so, and the weights stay.
   f = make_footprint(grid.frame, p, Interpolation::trilinear);
+  EXPECT_EQ(restrict_footprint(grid, 0, f), 0);
+  EXPECT_NEAR(irradiance(grid, f, V3f(0, 1, 0), Reconstruction::optimal).x, 1.5F, 1e-6F);
   for (std::size_t v = 0; v < 64; ++v) {
     if (v % 4 == 1) grid.visible_fraction[v] = 0;
   }
-  restrict_footprint(grid, 0, f);
+  EXPECT_NEAR(restrict_footprint(grid, ~std::uint64_t(0), f), 0.5F, 1e-6F);
   EXPECT_NEAR(irradiance(grid, f, V3f(0, 1, 0), Reconstruction::optimal).x, 2, 1e-6F);
-  grid.visible_fraction.assign(64, 0.0F);
-  f = make_footprint(grid.frame, p, Interpolation::trilinear);
-  restrict_footprint(grid, ~std::uint64_t(0), f);
-  EXPECT_NEAR(irradiance(grid, f, V3f(0, 1, 0), Reconstruction::optimal).x, 1.5F, 1e-6F);
+}
+
+TEST(Footprint, BlendMixesBoth) {
+  const IrradianceGrid grid = small_grid();
+  const Footprint a = make_footprint(grid.frame, V3f(1, 1.5F, 1.5F), Interpolation::trilinear);
+  const Footprint b = make_footprint(grid.frame, V3f(1.5F, 1.5F, 1.5F), Interpolation::tricubic);
+  EXPECT_NEAR(irradiance(grid, blend(a, b, 0.25F), V3f(0, 1, 0), Reconstruction::optimal).x, 1.375F, 1e-5F);
 }
 
 // A grid turned and moved together with the points and normals gives the same light.

@@ -54,15 +54,26 @@ Footprint lookup_footprint(const IrradianceGrid& grid, const Intersector* inters
     if (ahead) nudge_m = std::min(nudge_m, ahead->t / 2);
   }
   const V3f nudged = origin + ng * nudge_m;
+  const auto visible = [&](const Footprint& footprint) {
+    switch (guard) {
+      case Guard::rays:
+        return visible_by_rays(grid, *intersector, nudged, footprint);
+      case Guard::planes:
+        return visible_by_guard(grid, nudged, footprint);
+      case Guard::off:
+        break;
+    }
+    return ~std::uint64_t(0);
+  };
   Footprint footprint = make_footprint(grid.frame, nudged, params.interpolation);
-  std::uint64_t visible = ~std::uint64_t(0);
-  if (guard == Guard::rays) {
-    visible = visible_by_rays(grid, *intersector, nudged, footprint);
-    if (visible == 0) visible = visible_by_guard(grid, nudged, footprint);
-  } else if (guard == Guard::planes) {
-    visible = visible_by_guard(grid, nudged, footprint);
-  }
-  restrict_footprint(grid, visible, footprint);
+  const float kept = restrict_footprint(grid, visible(footprint), footprint);
+  constexpr float enough = 0.25F;
+  if (guard == Guard::off || kept >= enough) return footprint;
+
+  Footprint wide = make_footprint(grid.frame, nudged, Interpolation::tricubic);
+  const float wide_kept = restrict_footprint(grid, visible(wide), wide);
+  if (wide_kept > 0) return blend(footprint, wide, kept / enough);
+  if (kept == 0) restrict_footprint(grid, least_hidden_by_guard(grid, nudged, footprint), footprint);
   return footprint;
 }
 
