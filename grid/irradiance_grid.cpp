@@ -93,19 +93,16 @@ Footprint make_footprint(const GridFrame& frame, const V3f& p, Interpolation int
 
 float restrict_footprint(const IrradianceGrid& grid, std::uint64_t visible, Footprint& footprint) {
   constexpr float least_weight = 1e-4F;  // below this a renormalised weight is rounding noise
-  const auto keep = [&](int i) {
-    return ((visible >> unsigned(i)) & 1U) != 0 && grid.visible_fraction[footprint.vertex[std::size_t(i)]] > 0;
-  };
+  constexpr float full_trust = 0.25F;    // a vertex that sees less of its cell knows less of what is around it
+  std::array<float, 72> trusted;
   float kept = 0;
-  for (int i = 0; i < footprint.count; ++i) {
-    if (keep(i)) kept += footprint.weight[std::size_t(i)];
+  for (std::size_t i = 0; i < std::size_t(footprint.count); ++i) {
+    const float fraction = ((visible >> i) & 1U) != 0 ? grid.visible_fraction[footprint.vertex[i]] : 0;
+    trusted[i] = footprint.weight[i] * std::min(1.0F, fraction / full_trust);
+    kept += trusted[i];
   }
   if (kept < least_weight) return 0;
-  const float scale = 1 / kept;
-  for (int i = 0; i < footprint.count; ++i) {
-    float& weight = footprint.weight[std::size_t(i)];
-    weight = keep(i) ? weight * scale : 0;
-  }
+  for (std::size_t i = 0; i < std::size_t(footprint.count); ++i) footprint.weight[i] = trusted[i] / kept;
   return kept;
 }
 

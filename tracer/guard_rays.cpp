@@ -70,9 +70,10 @@ Footprint lookup_footprint(const IrradianceGrid& grid, const Intersector* inters
   constexpr float enough = 0.25F;
   if (guard == Guard::off || kept >= enough) return footprint;
 
-  Footprint wide = make_footprint(grid.frame, nudged, Interpolation::tricubic);
-  const float wide_kept = restrict_footprint(grid, visible(wide), wide);
-  if (wide_kept > 0) return blend(footprint, wide, kept / enough);
+  if (params.interpolation == Interpolation::trilinear) {
+    Footprint wide = make_footprint(grid.frame, nudged, Interpolation::tricubic);
+    if (restrict_footprint(grid, visible(wide), wide) > 0) return blend(footprint, wide, kept / enough);
+  }
   if (kept == 0) restrict_footprint(grid, least_hidden_by_guard(grid, nudged, footprint), footprint);
   return footprint;
 }
