@@ -38,8 +38,8 @@ class MemoryArchive : public openvdb::io::Archive {
 
 void write_sealed(const std::string& path, bool force, const openvdb::GridCPtrVec& grids,
                   const openvdb::MetaMap& metadata) {
-  PendingFile pending(path, force);
   const std::string bytes = MemoryArchive().sealed_bytes(grids, metadata);
+  PendingFile pending(path, force);
   std::ofstream file(pending.temporary(), std::ios::binary);
   file.write(bytes.data(), std::streamsize(bytes.size()));
   file.close();

@@ -109,8 +109,9 @@ TEST(Cli, UsageErrorsExitWith2) {
   const auto folder = scratch_folder("usage");
   for (const std::string& arguments :
        {std::string(), std::string("bake"), std::string("nonsense"), std::string("info"), std::string("--nonsense"),
-        std::string("merge -o x.vdb"), "bake grid " + scene, "info " + scene + " --threads 0",
-        "info " + scene + " --threads x", "info " + scene + " extra"})
+        std::string("merge -o x.vdb"), "bake grid " + scene, "bake grid " + scene + " -o x.exr",
+        std::string("merge x.vdb -o x"), "info " + scene + " --threads 0", "info " + scene + " --threads x",
+        "info " + scene + " extra"})
     expect_refused(folder, arguments, 2, "");
   const std::string bake = "bake grid " + scene + " -o x.vdb ";
   for (const char* wrong : {"--photons 0x10",
@@ -175,7 +176,6 @@ TEST(Cli, BadInputExitsWith1AndLeavesNothing) {
       {"bake grid empty.gltf -o x.vdb", "empty.gltf"},
       {"bake grid " + scene + " -o missing/x.vdb", "missing/x.vdb"},
       {"bake grid " + scene + " -o folder.vdb", "folder.vdb"},
-      {"bake grid " + scene + " -o /dev/null -f", "/dev/null"},
       {"bake grid " + scene + " -o x.vdb --env missing.exr", "missing.exr"},
       {"bake grid " + scene + " -o x.vdb --env text.exr", "text.exr"},
       {"bake grid " + scene + " -o x.vdb --resolution 1200", "GiB"},
@@ -185,6 +185,7 @@ TEST(Cli, BadInputExitsWith1AndLeavesNothing) {
       {"info text.exr", "text.exr"},
       {"info text.gltf", "text.gltf"},
       {"info folder.vdb", "folder.vdb"},
+      {"probe text.vdb --points p.csv -o /dev/null -f", "/dev/null"},
       {"probe text.vdb --points p.csv -o x.csv", "text.vdb"},
       {"probe text.gltf --points p.csv -o x.csv", "text.gltf"},
       {"probe " + scene + " --points missing.csv -o x.csv", "missing.csv"},

@@ -38,15 +38,16 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   if (params.photon_range && params.photons != 0 && params.photon_range->second > params.photons)
     throw UsageError(fmt::format("--photon-range ends at {}, past the {} of --photons", params.photon_range->second,
                                  params.photons));
-  check_output(options.output, common);
+  check_output(options.output, ".vdb", common);
 
   const auto input = load_scene_input(options.scene, options.environment, common);
   const GridFrame frame = default_frame(input->scene, params);
   const auto start = std::chrono::steady_clock::now();
   GridSums sums = [&] {
     Progress progress(common, "baking", "photons");
-    progress.note(fmt::format("{}x{}x{} vertices, {:.4g} x {:.4g} x {:.4g} m apart", frame.size.x, frame.size.y,
-                              frame.size.z, frame.spacing_m.x, frame.spacing_m.y, frame.spacing_m.z));
+    progress.note(fmt::format("{}x{}x{} vertices, {:.4g} x {:.4g} x {:.4g} m apart; finding what each sees",
+                              frame.size.x, frame.size.y, frame.size.z, frame.spacing_m.x, frame.spacing_m.y,
+                              frame.spacing_m.z));
     params.progress = progress.callback();
     return bake_grid_sums(*input->intersector, *input->lights, params);
   }();

@@ -179,6 +179,11 @@ CLI::Option* add_image_size_option(CLI::App& command, const std::string& name, I
 
 void check_output(const std::string& path, const CommonOptions& common) { const PendingFile probe(path, common.force); }
 
+void check_output(const std::string& path, std::string_view extension, const CommonOptions& common) {
+  if (!path.ends_with(extension)) throw UsageError(fmt::format("--output: '{}' does not end in {}", path, extension));
+  check_output(path, common);
+}
+
 void print_result(const CommonOptions& common, const nlohmann::ordered_json& object, const std::string& human) {
   if (common.json) {
     // Names in files need not be UTF-8; a replacement character beats a crash.
@@ -205,10 +210,14 @@ void Progress::update(std::uint64_t done, std::uint64_t total) {
   const std::scoped_lock lock(mutex_);
   const Clock::time_point now = Clock::now();
   if (drawn_ && now - last_drawn_ < std::chrono::milliseconds(200)) return;
+  if (!drawn_) {
+    start_ = now;
+    start_done_ = done;
+  }
   last_drawn_ = now;
   drawn_ = true;
   const double seconds = std::chrono::duration<double>(now - start_).count();
-  const double rate = seconds > 0 ? static_cast<double>(done) / seconds : 0;
+  const double rate = seconds > 0 ? static_cast<double>(done - std::min(done, start_done_)) / seconds : 0;
   std::string line = fmt::format("\r{}: {} of {} {}", label_, format_count(static_cast<double>(done)),
                                  format_count(static_cast<double>(total)), unit_);
   if (rate > 0 && total >= done)

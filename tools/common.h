@@ -62,6 +62,8 @@ CLI::Option* add_image_size_option(CLI::App& command, const std::string& name, I
 // Fails early, before hours of work: throws Error where `path` exists and not --force, or cannot
 // be written.
 void check_output(const std::string& path, const CommonOptions& common);
+// The same for formats that go by one extension; throws UsageError for another.
+void check_output(const std::string& path, std::string_view extension, const CommonOptions& common);
 
 // Prints `object` on stdout with --json, otherwise `human` (whole lines; unless --quiet).
 void print_result(const CommonOptions& common, const nlohmann::ordered_json& object, const std::string& human);
@@ -91,7 +93,9 @@ class Progress {
   std::string unit_;
   bool visible_;
   bool drawn_ = false;
-  Clock::time_point start_ = Clock::now();
+  // Of the first update: what came before was preparation, not work to be timed.
+  Clock::time_point start_;
+  std::uint64_t start_done_ = 0;
   Clock::time_point last_drawn_;
   std::mutex mutex_;
 };

@@ -29,7 +29,7 @@ std::int64_t photon_begin(const std::string& path) {
 }
 
 void run_merge(const MergeOptions& options, const CommonOptions& common) {
-  check_output(options.output, common);
+  check_output(options.output, ".vdb", common);
   // In order of their photons and one after the other, so that two parts at most are in memory.
   std::vector<std::pair<std::int64_t, std::string>> order;
   for (const std::string& part : options.parts) order.emplace_back(photon_begin(part), part);
