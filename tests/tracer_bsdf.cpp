@@ -256,6 +256,8 @@ TEST(Bsdf, IsFiniteForAnyInput) {
     const Rgb value = eval(bsdf, wo, wi);
     ASSERT_TRUE(std::isfinite(value.x) && std::isfinite(value.z) && value.x >= 0 && value.z >= 0);
     ASSERT_TRUE(std::isfinite(pdf(bsdf, wo, wi)));
+    ASSERT_EQ(eval_with_pdf(bsdf, wo, wi).value, value);
+    ASSERT_EQ(eval_with_pdf(bsdf, wo, wi).pdf_solid_angle, pdf(bsdf, wo, wi));
     const Rgb reflectance = diffuse_reflectance(bsdf, wo);
     ASSERT_TRUE(std::isfinite(reflectance.x) && reflectance.x >= 0);
     if (wi.dot(ng) < 0 || wo.dot(ng) < 0 || wi.dot(ns) < 0 || wo.dot(ns) < 0) {

@@ -75,14 +75,9 @@ float specular_probability(const Bsdf& bsdf, float cosine, Lobes lobes) {
   return std::clamp(std::isfinite(share) ? share : 0.5F, 0.1F, 0.9F);
 }
 
-struct Evaluation {
-  Rgb value{0, 0, 0};  // f |cos|
-  float pdf = 0;
-};
-
 // Value and pdf together: they share nearly all terms. wo.z > 0 and wi.z > 0.
-Evaluation evaluate(const Bsdf& bsdf, const V3f& wo, const V3f& wi, float p_specular, Lobes lobes) {
-  Evaluation e;
+BsdfValue evaluate(const Bsdf& bsdf, const V3f& wo, const V3f& wi, float p_specular, Lobes lobes) {
+  BsdfValue e;
   const V3f sum = wo + wi;
   const float length = sum.length();
   if (!(length > 0)) return e;
@@ -92,7 +87,7 @@ Evaluation evaluate(const Bsdf& bsdf, const V3f& wo, const V3f& wi, float p_spec
   if (lobes != Lobes::specular) {
     const float cosine = wi.z / pi;
     e.value += bsdf.diffuse_albedo * (std::max(0.0F, 1.0F - max_component(f)) * cosine);
-    e.pdf += (1.0F - p_specular) * cosine;
+    e.pdf_solid_angle += (1.0F - p_specular) * cosine;
   }
   if (lobes != Lobes::diffuse && !(is_black(bsdf.f0) && is_black(bsdf.f90))) {
     // f cos = F D G2 / (4 wo.z); pdf = D G1(wo) / (4 wo.z), G1 = 1/(1+L_o), G2 = 1/(1+L_o+L_i).
@@ -100,7 +95,7 @@ Evaluation evaluate(const Bsdf& bsdf, const V3f& wo, const V3f& wi, float p_spec
     const float lambda_o = smith_lambda(bsdf.alpha, wo);
     const float lambda_i = smith_lambda(bsdf.alpha, wi);
     e.value += f * (d / (1.0F + lambda_o + lambda_i));
-    e.pdf += p_specular * (d / (1.0F + lambda_o));
+    e.pdf_solid_angle += p_specular * (d / (1.0F + lambda_o));
   }
   return e;
 }
@@ -168,7 +163,15 @@ float pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes) {
   const V3f o = frame.to_local(wo);
   const V3f i = frame.to_local(wi);
   if (!above(bsdf, wo, o) || !above(bsdf, wi, i)) return 0;
-  return evaluate(bsdf, o, i, specular_probability(bsdf, o.z, lobes), lobes).pdf;
+  return evaluate(bsdf, o, i, specular_probability(bsdf, o.z, lobes), lobes).pdf_solid_angle;
+}
+
+BsdfValue eval_with_pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
+  const Frame frame = make_frame(bsdf.ns);
+  const V3f o = frame.to_local(wo);
+  const V3f i = frame.to_local(wi);
+  if (!above(bsdf, wo, o) || !above(bsdf, wi, i)) return {};
+  return evaluate(bsdf, o, i, specular_probability(bsdf, o.z, Lobes::all), Lobes::all);
 }
 
 std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, float u_lobe, const V2f& u, Lobes lobes) {
@@ -195,10 +198,10 @@ std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, float u_lobe, 
     s.pdf_solid_angle = i.z / pi;
     return s;
   }
-  const Evaluation e = evaluate(bsdf, o, i, p_specular, lobes);
-  if (!(e.pdf > 0)) return std::nullopt;
-  s.throughput = e.value / e.pdf;
-  s.pdf_solid_angle = e.pdf;
+  const BsdfValue e = evaluate(bsdf, o, i, p_specular, lobes);
+  if (!(e.pdf_solid_angle > 0)) return std::nullopt;
+  s.throughput = e.value / e.pdf_solid_angle;
+  s.pdf_solid_angle = e.pdf_solid_angle;
   return s;
 }
 

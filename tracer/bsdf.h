@@ -35,6 +35,13 @@ std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, float u_lobe, 
 
 float pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes = Lobes::all);
 
+// eval() and pdf() of one pair of directions at less than the cost of both.
+struct BsdfValue {
+  Rgb value{0, 0, 0};  // f |ns.wi|
+  float pdf_solid_angle = 0;
+};
+BsdfValue eval_with_pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi);
+
 // Fraction of uniform diffuse incident light that the Lambert lobe sends towards wo (per channel):
 // L_out = diffuse_reflectance / pi * E for light that arrives as irradiance.
 Rgb diffuse_reflectance(const Bsdf& bsdf, const V3f& wo);

@@ -32,11 +32,12 @@ Rgb sample_direct(const Intersector& intersector, const Lights& lights, const Su
   const Rgb black(0, 0, 0);
   const std::optional<LightSample> light = lights.sample(surface.p, random);
   if (!light) return black;
-  Rgb radiance = eval(bsdf, wo, light->w) * light->irradiance_weight;
+  const BsdfValue f = eval_with_pdf(bsdf, wo, light->w);
+  Rgb radiance = f.value * light->irradiance_weight;
   if (is_black(radiance)) return black;
   if (!light->delta && strategy != DirectStrategy::light) {
     if (strategy == DirectStrategy::bsdf) return black;
-    radiance *= power_heuristic(light->pdf_solid_angle, pdf(bsdf, wo, light->w));
+    radiance *= power_heuristic(light->pdf_solid_angle, f.pdf_solid_angle);
   }
 
   Ray shadow;
