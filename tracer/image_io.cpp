@@ -64,7 +64,7 @@ void check_image_name(const std::string& path) { create_output(path); }
 
 bool is_linear_image(const std::string& path) {
   const std::string extension = lower_extension(path);
-  for (const char* linear : {".exr", ".hdr", ".pfm", ".tif", ".tiff"}) {
+  for (const char* linear : {".exr", ".hdr", ".tif", ".tiff"}) {
     if (extension == linear) return true;
   }
   return false;

@@ -9,7 +9,7 @@
 
 namespace ivory {
 
-// True where the format of that name's extension keeps linear light: .exr, .hdr, .pfm, .tif. The others
+// True where the format of that name's extension keeps linear light: .exr, .hdr, .tif. The others
 // (.png, .jpg, ...) hold display values.
 bool is_linear_image(const std::string& path);
 
