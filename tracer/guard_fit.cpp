@@ -30,28 +30,38 @@ Samples trace_samples(const Intersector& intersector, const GridFrame& frame, co
   Samples samples;
   RandomStream random(0, StreamPurpose::visibility, index);
   const V3f eye = frame.to_world(vertex);
+  const auto add_hidden = [&](const V3f& u, const V3f& target) {
+    samples.hidden.push_back(u);
+    const V3f path = target - eye;
+    const float length = path.length();
+    const V3f direction = path / length;
+    const auto hit = intersector.closest({.origin = eye, .direction = direction, .t_max = length});
+    if (!hit) return;
+    // The surface's plane in index space: positions divide by the spacing, normals multiply.
+    const V3f ng = hit->ng.dot(direction) > 0 ? hit->ng : -hit->ng;
+    const V3f normal = (frame.direction_to_local(ng) * frame.spacing_m).normalized();
+    samples.hits.push_back({normal, normal.dot(u) * (hit->t / length)});
+  };
+  std::array<V3f, 8> offsets;
+  std::array<V3f, 8> targets;
+  int filled = 0;
   const int n = params.samples_per_axis;
-  for (int k = 0; k < n; ++k) {
-    for (int j = 0; j < n; ++j) {
-      for (int i = 0; i < n; ++i) {
-        const V3f jitter(random.next(), random.next(), random.next());
-        const V3f u = (V3f(V3i(i, j, k)) + jitter) * (2.0F / static_cast<float>(n)) - V3f(1, 1, 1);
-        const V3f target = frame.to_world(vertex + u);
-        const V3f path = target - eye;
-        const float length = path.length();
-        const V3f direction = path / length;
-        const auto hit = intersector.closest({.origin = eye, .direction = direction, .t_max = length});
-        if (!hit) {
-          samples.visible.push_back(u);
-          continue;
-        }
-        samples.hidden.push_back(u);
-        // The surface's plane in index space: positions divide by the spacing, normals multiply.
-        const V3f ng = hit->ng.dot(direction) > 0 ? hit->ng : -hit->ng;
-        const V3f normal = (frame.direction_to_local(ng) * frame.spacing_m).normalized();
-        samples.hits.push_back({normal, normal.dot(u) * (hit->t / length)});
+  for (int cell = 0; cell < n * n * n; ++cell) {
+    const V3f jitter(random.next(), random.next(), random.next());
+    const V3f u =
+        (V3f(V3i(cell % n, cell / n % n, cell / (n * n))) + jitter) * (2.0F / static_cast<float>(n)) - V3f(1, 1, 1);
+    offsets[std::size_t(filled)] = u;
+    targets[std::size_t(filled++)] = frame.to_world(vertex + u);
+    if (filled < 8 && cell + 1 < n * n * n) continue;
+    const std::uint32_t visible = intersector.visible(eye, targets, filled);
+    for (std::size_t i = 0; i < std::size_t(filled); ++i) {
+      if (((visible >> i) & 1U) != 0) {
+        samples.visible.push_back(offsets[i]);
+      } else {
+        add_hidden(offsets[i], targets[i]);
       }
     }
+    filled = 0;
   }
   return samples;
 }
@@ -84,24 +94,37 @@ struct Scored {
   float score = 0;
 };
 
-// The best offset for a normal: going down from the largest projection, every hidden point passed
-// gains one, every visible point costs the penalty. A cut between two points goes midway, or at the hit
-// plane itself where that lies between them.
-Scored best_offset(const GuardPlane& candidate, const Samples& samples, float penalty,
-                   std::vector<std::pair<float, float>>& scratch) {
-  scratch.clear();
-  for (const V3f& u : samples.hidden) scratch.emplace_back(candidate.normal.dot(u), 1.0F);
-  for (const V3f& u : samples.visible) scratch.emplace_back(candidate.normal.dot(u), -penalty);
-  std::sort(scratch.begin(), scratch.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+// The best offset for a normal: going down from the largest projection, every hidden point passed gains
+// one, every visible point costs the penalty. Projections are sorted into bins, far narrower than the
+// samples are apart. The cut goes as near to the hit plane as the gap between the last bin passed and the
+// next one that holds anything allows.
+Scored best_offset(const GuardPlane& candidate, const Samples& samples, float penalty) {
+  constexpr int bins = 128;
+  constexpr float reach = 1.75F;  // the support's corners are sqrt(3) away
+  constexpr float width = 2 * reach / bins;
+  std::array<float, bins> gain{};
+  std::array<bool, bins> used{};
+  const auto add = [&](const std::vector<V3f>& points, float value) {
+    for (const V3f& u : points) {
+      const auto bin = static_cast<std::size_t>((candidate.normal.dot(u) + reach) / width);
+      gain[bin] += value;
+      used[bin] = true;
+    }
+  };
+  add(samples.hidden, 1);
+  add(samples.visible, -penalty);
+
   Scored best{candidate, 0};
   float score = 0;
-  for (std::size_t i = 0; i < scratch.size(); ++i) {
-    score += scratch[i].second;
+  for (int bin = bins - 1; bin >= 0; --bin) {
+    if (!used[std::size_t(bin)]) continue;
+    score += gain[std::size_t(bin)];
     if (score <= best.score) continue;
-    const float above = scratch[i].first;
-    const float below = i + 1 < scratch.size() ? scratch[i + 1].first : above - 0.1F;
-    const bool hit_between = candidate.distance > below && candidate.distance < above;
-    best = {{candidate.normal, hit_between ? candidate.distance : (above + below) / 2}, score};
+    int next = bin - 1;
+    while (next >= 0 && !used[std::size_t(next)]) --next;
+    const float above = static_cast<float>(bin) * width - reach;
+    const float below = static_cast<float>(next + 1) * width - reach;
+    best = {{candidate.normal, std::clamp(candidate.distance, below, above)}, score};
   }
   return best;
 }
@@ -109,12 +132,11 @@ Scored best_offset(const GuardPlane& candidate, const Samples& samples, float pe
 // Adds planes to the record while they are worth it; takes what they clip out of the samples.
 void add_planes(Samples& samples, const std::vector<GuardPlane>& candidates, float clip_penalty, float least_score,
                 GuardRecord& record) {
-  std::vector<std::pair<float, float>> scratch;
   for (std::uint32_t& word : record.words) {
     if (word != 0) continue;
     Scored best;
     for (const GuardPlane& candidate : candidates) {
-      const Scored scored = best_offset(candidate, samples, clip_penalty, scratch);
+      const Scored scored = best_offset(candidate, samples, clip_penalty);
       if (scored.score > best.score) best = scored;
     }
     if (best.score < least_score) return;
