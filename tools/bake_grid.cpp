@@ -27,6 +27,21 @@ struct BakeGridOptions {
   GridBakeParams params;
 };
 
+std::vector<Box3f> parse_regions(const std::vector<std::string>& texts) {
+  std::vector<Box3f> regions;
+  if (texts == std::vector<std::string>{"none"}) return regions;
+  for (const std::string& text : texts) {
+    const std::size_t colon = text.find(':');
+    if (colon == std::string::npos)
+      throw UsageError("--dynamic takes none or boxes X0,Y0,Z0:X1,Y1,Z1, not '" + text + "'");
+    Box3f box;
+    box.extendBy(parse_vector3("--dynamic", text.substr(0, colon)));
+    box.extendBy(parse_vector3("--dynamic", text.substr(colon + 1)));
+    regions.push_back(box);
+  }
+  return regions;
+}
+
 void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) {
   GridBakeParams params = options.params;
   params.basis = basis_from_name(options.basis);
@@ -84,6 +99,13 @@ void add_bake_grid_command(CLI::App& bake, CommonOptions& common) {
       ->check(CLI::PositiveNumber)
       ->type_name("METRES")
       ->excludes(resolution);
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--dynamic",
+          [&params](const std::vector<std::string>& regions) { params.dynamic_regions = parse_regions(regions); },
+          "Where objects will move: a box X0,Y0,Z0:X1,Y1,Z1 in metres, several, or none. Away from\n"
+          "surfaces only vertices in these are stored [everywhere]")
+      ->type_name("none|BOX...");
   add_count_option(*command, "--photons", params.photons,
                    "Photons of the whole bake; k, m, g are allowed [256 a vertex, at least 1m]");
   command

@@ -14,6 +14,7 @@
 
 #include "grid/error.h"
 #include "tracer/guard_fit.h"
+#include "tracer/kept_vertices.h"
 #include "tracer/lit_vertices.h"
 #include "tracer/photon_deposit.h"
 #include "tracer/photon_tracer.h"
@@ -59,6 +60,8 @@ Metadata describe(const Scene& scene, const GridBakeParams& params, std::uint64_
   m["seed"] = static_cast<std::int64_t>(params.seed);
   m["scene"] = scene.name;
   m["scene_hash"] = scene.content_hash;
+  m["dynamic_regions"] = params.dynamic_regions ? MetaValue(static_cast<std::int64_t>(params.dynamic_regions->size()))
+                                                : MetaValue(std::string("everywhere"));
   m["units"] = std::string("lux");
   m["sum_slots"] = static_cast<std::int64_t>(layout.slots);
   return m;
@@ -119,6 +122,12 @@ GridSums bake_grid_sums(const Intersector& intersector, const Lights& lights, co
   std::vector<std::uint64_t> masks = params.guard == Guard::off
                                          ? std::vector<std::uint64_t>(frame.vertex_count(), ~std::uint64_t(0))
                                          : vertex_cell_masks(intersector, frame);
+  if (params.dynamic_regions) {
+    const std::vector<bool> kept = kept_vertices(scene, frame, *params.dynamic_regions);
+    for (std::size_t v = 0; v < masks.size(); ++v) {
+      if (!kept[v]) masks[v] = 0;
+    }
+  }
   GridSums result;
   result.visible_fraction = visible_fractions(masks);
   const PhotonTracer tracer(

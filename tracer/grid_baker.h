@@ -17,6 +17,9 @@ struct GridBakeParams {
   std::optional<float> voxel_size_m = std::nullopt;  // cubic voxels; neither given: 32 along the longest side
   std::uint64_t photons = 0;                         // of the whole bake; 0: 256 a vertex, at least a million
   std::optional<std::pair<std::uint64_t, std::uint64_t>> photon_range = std::nullopt;  // half-open; none: all
+  // World-space boxes in which objects move. Given, even if empty, vertices far from all surfaces are stored
+  // only there; none: everywhere.
+  std::optional<std::vector<Box3f>> dynamic_regions = std::nullopt;
   int max_bounces = 1000;
   Basis basis = Basis::vectors;
   Estimator estimator = Estimator::track;
