@@ -30,13 +30,14 @@ Metadata read_image_info(const std::string& path) {
     const std::string attribute_name = attribute.name().string();
     if (!attribute_name.starts_with(prefix)) continue;
     const std::string key = attribute_name.substr(prefix.size());
-    if (attribute.type() == OIIO::TypeInt)
+    if (attribute.type() == OIIO::TypeInt) {
       info[key] = std::int64_t(attribute.get_int());
-    else if (attribute.type() == OIIO::TypeFloat || attribute.type() == OIIO::TypeDesc(OIIO::TypeDesc::DOUBLE))
+    } else if (attribute.type() == OIIO::TypeFloat || attribute.type() == OIIO::TypeDesc(OIIO::TypeDesc::DOUBLE)) {
       info[key] = attribute.type() == OIIO::TypeFloat ? double(attribute.get_float())
                                                       : *static_cast<const double*>(attribute.data());
-    else
+    } else {
       info[key] = attribute.get_string();
+    }
   }
   return info;
 }

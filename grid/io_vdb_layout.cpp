@@ -123,8 +123,9 @@ std::array<double, 16> transform_matrix(const GridFrame& frame) {
   for (int row = 0; row < 3; ++row) {
     // Products of floats are exact in double.
     for (int column = 0; column < 3; ++column)
-      m[std::size_t(4 * row + column)] = double(frame.spacing_m[row]) * double(frame.local_to_world[row][column]);
-    m[std::size_t(12 + row)] = double(frame.origin_m[row]);
+      m[4 * std::size_t(row) + std::size_t(column)] =
+          double(frame.spacing_m[row]) * double(frame.local_to_world[row][column]);
+    m[12 + std::size_t(row)] = double(frame.origin_m[row]);
   }
   m[15] = 1;
   return m;
@@ -156,7 +157,7 @@ GridFrame frame_from_transform(const std::string& path, const std::array<double,
     if (!(length > 0)) throw refuse("is flat");
     a /= length;
     frame.spacing_m[row] = float(length);
-    frame.origin_m[row] = float(matrix[std::size_t(12 + row)]);
+    frame.origin_m[row] = float(matrix[12 + std::size_t(row)]);
     for (int column = 0; column < 3; ++column) frame.local_to_world[row][column] = float(a[column]);
     const double scale = length / double(stored.spacing_m[row]);
     least_scale = std::min(least_scale, scale);

@@ -54,9 +54,10 @@ struct OpenFile {
     if (!metadata || !(*metadata)[file_prefix + "kind"])
       throw Error(path, "was not written by ivory (no ivory_file_kind)", read_remedy);
     const auto version = get<std::int64_t>("format_version");
-    if (version != vdb_format_version)
+    if (version != vdb_format_version) {
       throw Error(path, fmt::format("has format version {}, this ivory reads {}", version, vdb_format_version),
                   "bake it again, or use the ivory that wrote it");
+    }
   }
 
   Error missing(const std::string& what) const { return Error(path, "lacks or misstates " + what, read_remedy); }
@@ -98,12 +99,13 @@ struct OpenFile {
       if (!key.starts_with(meta_prefix) || key.starts_with(file_prefix)) continue;
       const openvdb::Metadata& value = *entry->second;
       const std::string short_key = key.substr(meta_prefix.size());
-      if (const auto* integer = dynamic_cast<const openvdb::Int64Metadata*>(&value))
+      if (const auto* integer = dynamic_cast<const openvdb::Int64Metadata*>(&value)) {
         result[short_key] = std::int64_t(integer->value());
-      else if (const auto* number = dynamic_cast<const openvdb::DoubleMetadata*>(&value))
+      } else if (const auto* number = dynamic_cast<const openvdb::DoubleMetadata*>(&value)) {
         result[short_key] = number->value();
-      else
+      } else {
         result[short_key] = value.str();
+      }
     }
     return result;
   }
@@ -127,9 +129,10 @@ struct OpenFile {
       bytes *= frame.size[axis];
     }
     const double memory = double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGESIZE));
-    if (bytes > memory)
+    if (bytes > memory) {
       throw Error(path, fmt::format("needs {:.1f} GiB of memory, more than this machine has", bytes / 0x1p30),
                   "use a larger machine or bake at a lower resolution");
+    }
     return frame;
   }
 
@@ -304,12 +307,13 @@ Metadata read_vdb_info(const std::string& path) {
       const std::string key =
           entry->first.substr(entry->first.starts_with(counter_prefix) ? counter_prefix.size() : file_prefix.size());
       const openvdb::Metadata& value = *entry->second;
-      if (const auto* integer = dynamic_cast<const openvdb::Int64Metadata*>(&value))
+      if (const auto* integer = dynamic_cast<const openvdb::Int64Metadata*>(&value)) {
         info[key] = std::int64_t(integer->value());
-      else if (const auto* number = dynamic_cast<const openvdb::DoubleMetadata*>(&value))
+      } else if (const auto* number = dynamic_cast<const openvdb::DoubleMetadata*>(&value)) {
         info[key] = number->value();
-      else
+      } else {
         info[key] = value.str();
+      }
     }
     std::string names;
     for (auto grid_name = in.file.beginName(); grid_name != in.file.endName(); ++grid_name)

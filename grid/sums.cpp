@@ -30,9 +30,10 @@ Estimator estimator_from_name(std::string_view text) {
 SumLayout sum_layout(Basis basis, Estimator estimator) {
   if (estimator != Estimator::track) {
     // A crossed face serves only the hemispheres around its own axis.
-    if (basis != Basis::vectors)
+    if (basis != Basis::vectors) {
       throw UsageError("estimator '" + std::string(name(estimator)) + "' works with basis 'vectors' only, not '" +
                        std::string(name(basis)) + "'");
+    }
     return {6, 3};
   }
   if (basis == Basis::sh9 || basis == Basis::sh4) return {1, function_count(basis)};
@@ -81,17 +82,20 @@ GridSums merge(std::vector<GridSums> parts, const std::vector<std::string>& name
   for (std::size_t i = 1; i < order.size(); ++i) {
     const GridSums& part = parts[order[i]];
     const std::string& part_name = names[order[i]];
-    if (const std::string what = difference(total, part); !what.empty())
-      throw Error(part_name, "belongs to another bake than " + first_name + ": " + what + " differs",
+    if (const std::string what = difference(total, part); !what.empty()) {
+      throw Error(part_name, what + " differs from that of " + first_name,
                   "merge parts of one command that differ in --photon-range only");
-    if (part.photon_begin < total.photon_end)
+    }
+    if (part.photon_begin < total.photon_end) {
       throw Error(part_name, "its photons " + range_text(part) + " overlap those of another part",
                   "give each part once, with ranges that do not overlap");
-    if (part.photon_begin > total.photon_end)
+    }
+    if (part.photon_begin > total.photon_end) {
       throw Error(part_name,
                   "photons " + std::to_string(total.photon_end) + ":" + std::to_string(part.photon_begin) +
                       " before it are missing",
                   "bake that range and give it too");
+    }
     for (std::size_t at = 0; at < total.sums.size(); ++at) {
       if (__builtin_add_overflow(total.sums[at], part.sums[at], &total.sums[at]))
         throw Error(part_name, "the sums exceed 64 bits", "merge fewer photons");

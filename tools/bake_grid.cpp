@@ -50,9 +50,10 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   params.seed = options.seed;
   params.threads = thread_count(common);
   sum_layout(params.basis, params.estimator);  // refuses bases that the estimator cannot fill
-  if (params.photon_range && params.photons != 0 && params.photon_range->second > params.photons)
+  if (params.photon_range && params.photons != 0 && params.photon_range->second > params.photons) {
     throw UsageError(fmt::format("--photon-range ends at {}, past the {} of --photons", params.photon_range->second,
                                  params.photons));
+  }
   check_output(options.output, ".vdb", common);
 
   const auto input = load_scene_input(options.scene, options.environment, common);

@@ -220,9 +220,10 @@ void Progress::update(std::uint64_t done, std::uint64_t total) {
   const double rate = seconds > 0 ? static_cast<double>(done - std::min(done, start_done_)) / seconds : 0;
   std::string line = fmt::format("\r{}: {} of {} {}", label_, format_count(static_cast<double>(done)),
                                  format_count(static_cast<double>(total)), unit_);
-  if (rate > 0 && total >= done)
+  if (rate > 0 && total >= done) {
     line +=
         fmt::format(", {}/s, {} left", format_count(rate), format_duration(static_cast<double>(total - done) / rate));
+  }
   fmt::print(stderr, "{}\033[K", line);
   std::fflush(stderr);
 }

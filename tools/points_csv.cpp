@@ -87,11 +87,12 @@ PointsTable read_points_csv(const std::string& path) {
     std::array<float, 6> values{};
     for (std::size_t i = 0; i < column.size(); ++i) {
       const auto value = number_of(cells[column[i]]);
-      if (!value)
+      if (!value) {
         throw Error(path,
                     fmt::format("line {}: '{}' in column {} is not a finite number", number, cells[column[i]],
                                 input_columns[i]),
                     remedy);
+      }
       values[i] = *value;
     }
     // In double, as the squares of small floats underflow.

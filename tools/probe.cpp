@@ -43,7 +43,7 @@ struct ProbeOptions {
 struct Estimates {
   std::vector<Rgb> e;
   std::vector<Rgb> standard_error;
-  nlohmann::ordered_json facts;
+  Metadata facts;
 };
 
 // The guard asked for, or the best that the inputs allow.
@@ -67,9 +67,10 @@ Estimates probe_grid(const ProbeOptions& options, const PointsTable& table, cons
   params.interpolation = options.interpolation == "tricubic" ? Interpolation::tricubic : Interpolation::trilinear;
   params.reconstruction = reconstruction_from_name(options.reconstruction);
   params.nudge_voxels = options.nudge_voxels;
-  if (params.reconstruction == Reconstruction::paper && grid.basis != Basis::vectors)
+  if (params.reconstruction == Reconstruction::paper && grid.basis != Basis::vectors) {
     throw UsageError(fmt::format("--reconstruction paper reads basis 'vectors' only; {} stores '{}'", options.source,
                                  name(grid.basis)));
+  }
   const auto light = grid.metadata.find("light");
   if (options.indirect_only && light != grid.metadata.end() && light->second != MetaValue(std::string("indirect")))
     throw Error(options.source, "was baked with --direct and cannot be read without", "bake it again without --direct");
@@ -100,10 +101,12 @@ Estimates probe_grid(const ProbeOptions& options, const PointsTable& table, cons
     }
     return false;
   });
-  if (outside > 0)
+  if (outside > 0) {
     print_note(common, fmt::format("warning: {} of {} points lie outside the grid and read its nearest vertices",
                                    outside, table.p.size()));
-  out.facts = {{"source", "grid"}, {"guard", name(guard)}, {"outside", outside}};
+  }
+  out.facts = {
+      {"source", std::string("grid")}, {"guard", std::string(name(guard))}, {"outside", std::int64_t(outside)}};
   return out;
 }
 
@@ -127,7 +130,9 @@ Estimates probe_path_traced(const ProbeOptions& options, const PointsTable& tabl
     out.e.push_back(result.e);
     out.standard_error.push_back(result.standard_error);
   }
-  out.facts = {{"source", "scene"}, {"samples", options.samples}, {"seed", options.seed}};
+  out.facts = {{"source", std::string("scene")},
+               {"samples", std::int64_t(options.samples)},
+               {"seed", std::int64_t(options.seed)}};
   return out;
 }
 
@@ -138,10 +143,11 @@ void run_probe(const ProbeOptions& options, const CLI::App& command, const Commo
       if (command.count(option) > 0) throw UsageError(fmt::format("{} serves {} only", option, purpose));
     }
   };
-  if (is_scene)
+  if (is_scene) {
     refuse_given({"--scene", "--guard", "--interpolation", "--reconstruction", "--nudge"}, "grids");
-  else
+  } else {
     refuse_given({"--env", "--samples", "--seed", "--bounces"}, "scenes");
+  }
   check_output(options.output, common);
   const PointsTable table = read_points_csv(options.points);
   const Estimates estimates = is_scene ? probe_path_traced(options, table, common) : probe_grid(options, table, common);
@@ -152,7 +158,8 @@ void run_probe(const ProbeOptions& options, const CLI::App& command, const Commo
   mean /= static_cast<double>(estimates.e.size());
   nlohmann::ordered_json result{
       {"file", options.output}, {"points", table.p.size()}, {"mean_lux", {mean.x, mean.y, mean.z}}};
-  result.update(estimates.facts);
+  for (const auto& [key, value] : estimates.facts)
+    std::visit([&, &fact = key](const auto& v) { result[fact] = v; }, value);
   print_result(common, result,
                fmt::format("{}: {} points, mean E {:.6g} {:.6g} {:.6g} lux\n", options.output, table.p.size(), mean.x,
                            mean.y, mean.z));
