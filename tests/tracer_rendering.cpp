@@ -325,6 +325,33 @@ TEST(FinalGather, GlossyFurnaceEqualsThePathTracer) {
   }
 }
 
+TEST(FinalGather, EvenSamplesAreUnbiased) {
+  const Lit lit(small_room());
+  const IrradianceGrid grid = uniform_grid(0.5F);
+  GridLight light;
+  light.grid = &grid;
+  light.guard = Guard::off;
+  GatherParams params;
+  params.gather_rays = 3;
+  const View view = test_view(8, 6);
+  Accumulator even;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    RenderParams render;
+    render.samples = 8;
+    render.seed = seed;
+    const Film film = render_gather(lit.intersector, lit.lights, light, view, render, params);
+    double mean = 0;
+    for (const Rgb& pixel : film.pixels) mean += double(pixel.y) / double(film.pixels.size());
+    even.add(mean);
+  }
+  const Accumulator independent = collect(100000, [&](RandomStream& random) {
+    Ray ray = make_ray(view, random.next2() * V2f(8, 6));
+    ray.coverage_seed = random.next_u32();
+    return trace_gather(lit.intersector, lit.lights, light, ray, params, random);
+  });
+  EXPECT_LT(std::abs(z_score(even, independent)), z_limit);
+}
+
 // With a black grid, direct shows direct light and gather adds exactly one bounce.
 TEST(FinalGather, GatherAddsOneBounceToDirect) {
   Scene scene = small_room();

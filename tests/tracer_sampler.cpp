@@ -74,6 +74,41 @@ TEST(RandomStream, ReturnsToIndependentNumbersAfterTheEvenOnes) {
   for (int i = 0; i < 10; ++i) EXPECT_EQ(plain.next_u32(), mixed.next_u32());
 }
 
+// All branches of all samples make one even set; afterwards the sample goes on as if there had been none.
+TEST(RandomStream, BranchesAreNumberedThrough) {
+  RandomStream random(1, StreamPurpose::test, 0);
+  RandomStream unbranched(1, StreamPurpose::test, 0);
+  constexpr std::uint32_t samples = 16;
+  constexpr std::uint32_t branches = 4;
+  std::vector<int> counts(64, 0);
+  for (std::uint32_t s = 0; s < samples; ++s) {
+    random.begin_sample(s, 77, 3);
+    unbranched.begin_sample(s, 77, 3);
+    EXPECT_EQ(random.next_u32(), unbranched.next_u32());
+    for (std::uint32_t i = 0; i < branches; ++i) {
+      random.begin_branch(i, branches, 1);
+      const V2f u = random.next2();
+      ++counts[std::size_t(u.x * 8) * 8 + std::size_t(u.y * 8)];
+    }
+    random.end_branches();
+    EXPECT_EQ(random.next2(), unbranched.next2());
+    EXPECT_EQ(random.next(), unbranched.next());
+    EXPECT_EQ(random.next(), unbranched.next());  // independent again
+  }
+  for (const int count : counts) EXPECT_EQ(count, 1);
+}
+
+TEST(RandomStream, BranchesOutsideASampleAreIndependent) {
+  RandomStream random(1, StreamPurpose::test, 0);
+  RandomStream plain(1, StreamPurpose::test, 0);
+  for (std::uint32_t i = 0; i < 5; ++i) {
+    random.begin_branch(i, 5, 3);
+    EXPECT_EQ(random.next_u32(), plain.next_u32());
+  }
+  random.end_branches();
+  EXPECT_EQ(random.next_u32(), plain.next_u32());
+}
+
 // The point of it: the mean of a smooth function over 64 samples is far closer than by independent numbers.
 TEST(RandomStream, EvenSamplesConvergeFaster) {
   Accumulator even;

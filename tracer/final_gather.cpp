@@ -19,17 +19,9 @@ namespace ivory {
 
 namespace {
 
-// The i-th of n points of Hammersley's set, shifted around the torus: any n fill the square evenly.
-V2f shifted_hammersley(int i, int n, const V2f& shift) {
-  std::uint32_t bits = std::uint32_t(i);
-  bits = (bits << 16U) | (bits >> 16U);
-  bits = ((bits & 0x00ff00ffU) << 8U) | ((bits & 0xff00ff00U) >> 8U);
-  bits = ((bits & 0x0f0f0f0fU) << 4U) | ((bits & 0xf0f0f0f0U) >> 4U);
-  bits = ((bits & 0x33333333U) << 2U) | ((bits & 0xccccccccU) >> 2U);
-  bits = ((bits & 0x55555555U) << 1U) | ((bits & 0xaaaaaaaaU) >> 1U);
-  const auto wrap = [](float x) { return x < 1 ? x : x - 1; };
-  return {wrap(float(i) / float(n) + shift.x), wrap(float(bits >> 8U) * 0x1p-24F + shift.y)};
-}
+// Random numbers of a gather ray that are spread evenly over all gather rays of a pixel: its direction,
+// coverage, and the light (which, where on it) at its hit.
+constexpr std::uint32_t even_calls = 5;
 
 struct Gatherer {
   const Intersector& intersector;
@@ -47,10 +39,9 @@ struct Gatherer {
   Rgb gathered(const Surface& surface, const Bsdf& bsdf, const V3f& wo, RandomStream& random) const {
     Rgb sum(0, 0, 0);
     if (is_black(bsdf.diffuse_albedo)) return sum;
-    const V2f shift = random.next2();
     for (int i = 0; i < params.gather_rays; ++i) {
-      const V2f u = shifted_hammersley(i, params.gather_rays, shift);
-      const std::optional<BsdfSample> s = sample(bsdf, wo, 1, u, Lobes::diffuse);
+      random.begin_branch(std::uint32_t(i), std::uint32_t(params.gather_rays), even_calls);
+      const std::optional<BsdfSample> s = sample(bsdf, wo, 1, random.next2(), Lobes::diffuse);
       if (!s) continue;
       Ray ray;
       ray.origin = offset_origin(surface.p, surface.ng, s->wi);
@@ -61,6 +52,7 @@ struct Gatherer {
       const Surface y = make_surface(intersector.scene(), ray, *hit);
       sum += s->throughput * reflected(y, -s->wi, /*first=*/false, random);
     }
+    random.end_branches();
     return sum / float(params.gather_rays);
   }
 

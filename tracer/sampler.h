@@ -25,7 +25,24 @@ class RandomStream {
   void begin_sample(std::uint32_t sample, std::uint32_t key, std::uint32_t calls) {
     sample_ = sample;
     key_ = key;
+    in_sample_ = true;
+    point_ = sample;
+    point_key_ = key;
     low_discrepancy_calls_ = calls;
+  }
+  // Begins branch i of the n that the sample splits into: all branches of all samples are then numbered
+  // through, and share sequences of their own. Independent numbers where no sample was begun. After the
+  // last branch end_branches() takes the sample up where branch 0 left it.
+  void begin_branch(std::uint32_t i, std::uint32_t n, std::uint32_t calls) {
+    if (i == 0) calls_before_branches_ = low_discrepancy_calls_;
+    point_ = sample_ * n + i;
+    point_key_ = key_ ^ 0x68bc21ebU;
+    low_discrepancy_calls_ = in_sample_ ? calls : 0;
+  }
+  void end_branches() {
+    point_ = sample_;
+    point_key_ = key_;
+    low_discrepancy_calls_ = calls_before_branches_;
   }
 
   // 32 uniform bits.
@@ -48,7 +65,7 @@ class RandomStream {
  private:
   static float to_float(std::uint32_t bits) { return static_cast<float>(bits >> 8U) * 0x1p-24F; }
   std::array<std::uint32_t, 2> next_point() {
-    return sobol_point(sample_, key_ + 0x9e3779b9U * low_discrepancy_calls_--);
+    return sobol_point(point_, point_key_ + 0x9e3779b9U * low_discrepancy_calls_--);
   }
   void refill();
 
@@ -59,6 +76,10 @@ class RandomStream {
   std::uint32_t used_ = 4;
   std::uint32_t sample_ = 0;
   std::uint32_t key_ = 0;
+  std::uint32_t point_ = 0;
+  std::uint32_t point_key_ = 0;
+  bool in_sample_ = false;
+  std::uint32_t calls_before_branches_ = 0;
   std::uint32_t low_discrepancy_calls_ = 0;
   std::array<std::uint32_t, 4> block_{};
 };
