@@ -105,7 +105,6 @@ TEST_F(RenderCommand, BadRequestsEndInOneLine) {
            Case{"render " + room + out + " --samples 0", 2},
            Case{"render " + room + out + " --size 0x5", 2},
            Case{"render " + room + out + " --camera nobody", 2},
-           Case{"render " + room + out + " --grid x.vdb", 2},
            Case{"render " + room, 2},
            Case{"render " + room + out + " --method direct --grid " + path("missing.vdb"), 1},
            Case{"render " + room + out + " --method direct --grid " + path("bad.vdb"), 1},
@@ -122,6 +121,16 @@ TEST_F(RenderCommand, BadRequestsEndInOneLine) {
     EXPECT_EQ(line_count(run.output), 1) << c.arguments << "\n" << run.output;
     EXPECT_FALSE(fs::exists(path("x.exr"))) << c.arguments;
   }
+}
+
+TEST_F(RenderCommand, SaysWhatItIgnores) {
+  const std::string command = "render " + scene("cornell_box.gltf") + " --size 8x8 --samples 1 -o " + path("a.exr") +
+                              " --gather 4 --exposure 1";
+  const RunResult run = run_ivory(command);
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_NE(run.output.find("--gather is ignored"), std::string::npos) << run.output;
+  EXPECT_NE(run.output.find("--exposure is ignored"), std::string::npos) << run.output;
+  EXPECT_EQ(run_ivory(command + " --force --quiet").output, "");
 }
 
 TEST_F(RenderCommand, RefusesAGridWithDirectLight) {

@@ -1,6 +1,7 @@
 // ivory render: a picture by path tracing, from a grid, or by final gather over a grid.
 #include <algorithm>
 #include <chrono>
+#include <initializer_list>
 #include <limits>
 #include <optional>
 #include <string>
@@ -132,10 +133,24 @@ Metadata describe(const RenderOptions& options, const SceneInput& input) {
   return m;
 }
 
+// Scripts run one line with several methods, so options of another method are no error; but said.
+void note_ignored(const CLI::App& command, const RenderOptions& options, const CommonOptions& common) {
+  const auto note = [&](std::initializer_list<const char*> names, const char* methods) {
+    for (const char* name : names) {
+      if (command.get_option(name)->count() > 0)
+        print_note(common, fmt::format("note: {} is ignored, it serves --method {}", name, methods));
+    }
+  };
+  if (!options.uses_grid()) note({"--grid", "--guard", "--interpolation", "--reconstruction"}, "direct and gather");
+  if (options.method != "gather") note({"--gather"}, "gather");
+  if (options.method != "path") note({"--max-bounces"}, "path");
+  if (options.exposure_stops && std::all_of(options.outputs.begin(), options.outputs.end(), is_linear_image))
+    print_note(common, "note: --exposure is ignored, it serves tone-mapped pictures (.png, .jpg)");
+}
+
 void run_render(const RenderOptions& options, const CommonOptions& common) {
   if (options.uses_grid() && options.grid.empty())
     throw UsageError("--method " + options.method + " needs --grid GRID.vdb (see ivory bake grid)");
-  if (!options.uses_grid() && !options.grid.empty()) throw UsageError("--grid serves --method direct and gather only");
   for (const std::string& output : options.outputs) {
     check_output(output, common);
     check_image_name(output);
@@ -196,7 +211,7 @@ void add_render_command(CLI::App& app, CommonOptions& common) {
       ->capture_default_str();
   command->add_option("--grid", options->grid, "Baked grid of indirect light")->type_name("GRID.vdb");
   add_count_option(*command, "--samples", options->samples, "Samples a pixel");
-  add_count_option(*command, "--gather", options->gather, "Final gather rays a sample");
+  add_count_option(*command, "--gather", options->gather, "Rays a sample (gather)");
   add_count_option(*command, "--max-bounces", options->max_bounces,
                    "Surfaces that light may scatter at (path); Russian roulette ends most paths before");
   add_count_option(*command, "--seed", options->seed, "Seed of the random numbers");
@@ -229,7 +244,10 @@ void add_render_command(CLI::App& app, CommonOptions& common) {
       "Examples:\n"
       "  ivory render room.glb -o room.exr -o room.png --samples 256\n"
       "  ivory render room.glb -o room.png --method gather --grid room.vdb --samples 16 --gather 16");
-  set_action(*command, common, Output::file, [options, &common] { run_render(*options, common); });
+  set_action(*command, common, Output::file, [command, options, &common] {
+    note_ignored(*command, *options, common);
+    run_render(*options, common);
+  });
 }
 
 }  // namespace ivory
