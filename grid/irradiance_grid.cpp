@@ -7,22 +7,6 @@
 
 namespace ivory {
 
-V3f GridFrame::to_index(const V3f& p_world) const {
-  const V3f local = direction_to_local(p_world - origin_m);
-  return {local.x / spacing_m.x, local.y / spacing_m.y, local.z / spacing_m.z};
-}
-
-V3f GridFrame::to_world(const V3f& p_index) const { return origin_m + direction_to_world(p_index * spacing_m); }
-
-// local_to_world is a rotation, so its transpose is its inverse.
-V3f GridFrame::direction_to_local(const V3f& w) const {
-  const auto& m = local_to_world;
-  return {w.x * m[0][0] + w.y * m[0][1] + w.z * m[0][2], w.x * m[1][0] + w.y * m[1][1] + w.z * m[1][2],
-          w.x * m[2][0] + w.y * m[2][1] + w.z * m[2][2]};
-}
-
-V3f GridFrame::direction_to_world(const V3f& w) const { return w * local_to_world; }
-
 std::string_view name(Guard guard) {
   switch (guard) {
     case Guard::off:

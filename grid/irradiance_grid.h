@@ -24,10 +24,15 @@ struct GridFrame {
   std::size_t vertex_index(int i, int j, int k) const {
     return (std::size_t(k) * std::size_t(size.y) + std::size_t(j)) * std::size_t(size.x) + std::size_t(i);
   }
-  V3f to_index(const V3f& p_world) const;
-  V3f to_world(const V3f& p_index) const;
-  V3f direction_to_local(const V3f& w_world) const;
-  V3f direction_to_world(const V3f& w_local) const;
+  V3f to_index(const V3f& p_world) const { return direction_to_local(p_world - origin_m) / spacing_m; }
+  V3f to_world(const V3f& p_index) const { return origin_m + direction_to_world(p_index * spacing_m); }
+  // local_to_world is a rotation, so its transpose is its inverse.
+  V3f direction_to_local(const V3f& w) const {
+    const M33f& m = local_to_world;
+    return {w.x * m[0][0] + w.y * m[0][1] + w.z * m[0][2], w.x * m[1][0] + w.y * m[1][1] + w.z * m[1][2],
+            w.x * m[2][0] + w.y * m[2][1] + w.z * m[2][2]};
+  }
+  V3f direction_to_world(const V3f& w) const { return w * local_to_world; }
 };
 
 // What a vertex can see around it, in 16 bytes; see guard.h. All zero: sees everything.

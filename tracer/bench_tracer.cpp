@@ -209,47 +209,39 @@ TracerBench bench_tracer(const Intersector& intersector, const Lights& lights, c
 
 Scene make_bench_scene(std::size_t triangles) {
   Scene scene;
-  scene.name = "bench scene";
+  scene.name = "cave";
   Material material;
   material.base_color = Rgb(0.7F, 0.6F, 0.5F);
   material.metallic = 0;
   material.specular = 0;
+  material.double_sided = true;
   scene.materials.push_back(material);
 
-  // Two triangles a quad of the longitude-latitude mesh.
+  // A longitude-latitude mesh, two triangles a quad.
   const auto rings = static_cast<int>(std::sqrt(double(triangles) / 4));
   const int sectors = 2 * rings;
-  Mesh ball;
-  ball.material = 0;
+  Mesh cave;
+  cave.material = 0;
   for (int r = 0; r <= rings; ++r) {
     for (int s = 0; s < sectors; ++s) {
       const float theta = pi * static_cast<float>(r) / static_cast<float>(rings);
       const float phi = 2 * pi * static_cast<float>(s) / static_cast<float>(sectors);
       const float bumps = std::sin(12 * theta) * std::sin(14 * phi) + 0.3F * std::sin(57 * theta + 3 * phi);
-      const float radius = 1 + 0.12F * bumps * std::sin(theta);
-      ball.positions.emplace_back(radius * std::sin(theta) * std::cos(phi), radius * std::cos(theta),
-                                  radius * std::sin(theta) * std::sin(phi));
+      const float radius_m = 2 + 0.25F * bumps * std::sin(theta);
+      cave.positions.emplace_back(radius_m * std::sin(theta) * std::cos(phi), radius_m * std::cos(theta),
+                                  radius_m * std::sin(theta) * std::sin(phi));
     }
   }
   const auto index = [&](int r, int s) { return static_cast<std::uint32_t>(r * sectors + s % sectors); };
   for (int r = 0; r < rings; ++r) {
     for (int s = 0; s < sectors; ++s) {
-      ball.triangles.emplace_back(index(r, s), index(r, s + 1), index(r + 1, s));
-      ball.triangles.emplace_back(index(r + 1, s), index(r, s + 1), index(r + 1, s + 1));
+      cave.triangles.emplace_back(index(r, s), index(r + 1, s), index(r, s + 1));
+      cave.triangles.emplace_back(index(r, s + 1), index(r + 1, s), index(r + 1, s + 1));
     }
   }
-  Mesh room;
-  room.material = 0;
-  for (unsigned corner = 0; corner < 8; ++corner)
-    room.positions.emplace_back((corner & 1U) != 0 ? 2.0F : -2.0F, (corner & 2U) != 0 ? 2.0F : -2.0F,
-                                (corner & 4U) != 0 ? 2.0F : -2.0F);
-  room.triangles = {{0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}, {0, 1, 5}, {0, 5, 4},
-                    {2, 6, 7}, {2, 7, 3}, {0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}};
-  for (Mesh* mesh : {&ball, &room}) {
-    scene.instances.push_back({static_cast<int>(scene.meshes.size()), M44f()});
-    scene.meshes.push_back(std::move(*mesh));
-  }
-  scene.lights.push_back(PointLight{V3f(1.6F, 1.7F, 1.5F), Rgb(100, 100, 100)});
+  scene.instances.push_back({0, M44f()});
+  scene.meshes.push_back(std::move(cave));
+  scene.lights.emplace_back(PointLight{V3f(0.6F, 0.7F, 0.5F), Rgb(100, 100, 100)});
   return scene;
 }
 

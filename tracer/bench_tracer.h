@@ -39,8 +39,8 @@ struct TracerBench {
 
 TracerBench bench_tracer(const Intersector& intersector, const Lights& lights, const TracerBenchParams& params);
 
-// A closed room with a finely displaced ball of about `triangles` triangles in it and a point light:
-// for measurements that need a large mesh and no file.
+// A closed cave whose walls are one finely displaced mesh of about `triangles` triangles, with a point light
+// in it: for measurements that need a large mesh and no file.
 Scene make_bench_scene(std::size_t triangles);
 
 }  // namespace ivory

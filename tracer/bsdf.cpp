@@ -176,6 +176,14 @@ BsdfValue eval_with_pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
 
 std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, float u_lobe, const V2f& u, Lobes lobes) {
   const Frame frame = make_frame(bsdf.ns);
+  if (is_black(bsdf.f0) && is_black(bsdf.f90)) {
+    // Lambert alone: f cos / pdf is the albedo to the last bit, which closed-form truths rely on.
+    if (!(wo.dot(bsdf.ns) > min_cosine) || !(wo.dot(bsdf.ng) > 0)) return std::nullopt;
+    const V3f i = sample_cosine_hemisphere(u);
+    const V3f wi = frame.to_world(i).normalized();
+    if (!above(bsdf, wi, i)) return std::nullopt;
+    return BsdfSample{wi, lobes == Lobes::specular ? Rgb(0, 0, 0) : bsdf.diffuse_albedo, i.z / pi};
+  }
   const V3f o = frame.to_local(wo);
   if (!above(bsdf, wo, o)) return std::nullopt;
   const float p_specular = specular_probability(bsdf, o.z, lobes);
@@ -192,12 +200,6 @@ std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, float u_lobe, 
 
   BsdfSample s;
   s.wi = wi;
-  if (p_specular == 0 && is_black(bsdf.f0) && is_black(bsdf.f90)) {
-    // Lambert alone: f cos / pdf is the albedo to the last bit, which closed-form truths rely on.
-    s.throughput = lobes == Lobes::specular ? Rgb(0, 0, 0) : bsdf.diffuse_albedo;
-    s.pdf_solid_angle = i.z / pi;
-    return s;
-  }
   const BsdfValue e = evaluate(bsdf, o, i, p_specular, lobes);
   if (!(e.pdf_solid_angle > 0)) return std::nullopt;
   s.throughput = e.value / e.pdf_solid_angle;

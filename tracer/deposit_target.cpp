@@ -39,7 +39,8 @@ std::vector<std::int64_t> sums_by_vertex(const DepositTarget& target) {
 
 std::optional<IndexSegment> clip(const GridFrame& frame, const PhotonSegment& segment) {
   const V3f origin = frame.to_index(segment.origin) + V3f(0.5F, 0.5F, 0.5F);
-  const V3f direction = frame.direction_to_local(segment.direction) / frame.spacing_m;
+  const V3f local = frame.direction_to_local(segment.direction);
+  const V3f direction = local / frame.spacing_m;
   float t0 = 0;
   float t1 = segment.length_m;
   for (unsigned axis = 0; axis < 3; ++axis) {
@@ -53,45 +54,45 @@ std::optional<IndexSegment> clip(const GridFrame& frame, const PhotonSegment& se
     t1 = std::min(t1, std::max(a, b));
   }
   if (!(t1 > t0)) return std::nullopt;
-  return IndexSegment{origin + direction * t0, direction, t1 - t0};
+  return IndexSegment{origin + direction * t0, direction, t1 - t0, -local};
 }
 
 namespace {
 
-void set_lanes(const DepositTarget& target, const PhotonSegment& segment, const float* functions, double measure,
-               SegmentLanes& lanes) {
-  const auto count = std::size_t(target.layout.functions);
-  const auto scale = static_cast<float>(measure / target.quantum);
-  const auto scale_squared = static_cast<float>(measure * measure / target.quantum_squared);
-  for (std::size_t c = 0; c < 3; ++c) {
-    const float power = segment.power_lm[static_cast<unsigned>(c)];
-    for (std::size_t f = 0; f < count; ++f) lanes.values[3 * f + c] = power * scale * functions[f];
-    lanes.values[3 * count + c] = power * power * scale_squared;
+template <std::size_t functions>
+void set_lanes(const DepositTarget& target, const Rgb& power_lm, const float* f, float measure, SegmentLanes& lanes) {
+  // Powers are about target.quantum times 2^18 over a voxel: far from float's limits either way.
+  const Rgb scaled = power_lm * (measure * static_cast<float>(1 / target.quantum));
+  const float to_second = static_cast<float>(target.quantum * target.quantum / target.quantum_squared);
+  for (unsigned c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < functions; ++i) lanes.values[3 * i + c] = scaled[c] * f[i];
+    lanes.values[3 * functions + c] = scaled[c] * scaled[c] * to_second;
   }
 }
 
 }  // namespace
 
-SegmentLanes track_lanes(const DepositTarget& target, const PhotonSegment& segment) {
-  const V3f w = target.frame.direction_to_local(-segment.direction);
+SegmentLanes track_lanes(const DepositTarget& target, const V3f& w, const Rgb& power_lm) {
   SegmentLanes lanes;
   if (target.layout.slots == 8) {
     lanes.slot = (w.x < 0 ? 1U : 0U) | (w.y < 0 ? 2U : 0U) | (w.z < 0 ? 4U : 0U);
     const std::array<float, 3> functions{std::abs(w.x), std::abs(w.y), std::abs(w.z)};
-    set_lanes(target, segment, functions.data(), 1, lanes);
+    set_lanes<3>(target, power_lm, functions.data(), 1, lanes);
+  } else if (target.layout.functions == 4) {
+    set_lanes<4>(target, power_lm, eval(target.basis, w).data(), 1, lanes);
   } else {
-    set_lanes(target, segment, eval(target.basis, w).data(), 1, lanes);
+    assert(target.layout.functions == 9);
+    set_lanes<9>(target, power_lm, eval(target.basis, w).data(), 1, lanes);
   }
   return lanes;
 }
 
-SegmentLanes face_lanes(const DepositTarget& target, const PhotonSegment& segment, unsigned axis) {
-  const V3f w = target.frame.direction_to_local(-segment.direction);
-  const double cosine = std::abs(double(w[axis]));
+SegmentLanes face_lanes(const DepositTarget& target, const V3f& w, const Rgb& power_lm, unsigned axis) {
   SegmentLanes lanes;
   lanes.slot = 2 * axis + (w[axis] > 0 ? 0 : 1);
   const std::array<float, 3> functions{w.x, w.y, w.z};
-  set_lanes(target, segment, functions.data(), target.estimator == Estimator::face ? 1 / cosine : 1, lanes);
+  set_lanes<3>(target, power_lm, functions.data(), target.estimator == Estimator::face ? 1 / std::abs(w[axis]) : 1,
+               lanes);
   return lanes;
 }
 

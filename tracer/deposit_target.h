@@ -43,6 +43,7 @@ struct IndexSegment {
   V3f start;
   V3f per_metre;
   float length_m = 0;
+  V3f w;  // in the grid's own axes, towards the light
 };
 std::optional<IndexSegment> clip(const GridFrame& frame, const PhotonSegment& segment);
 
@@ -50,11 +51,11 @@ std::optional<IndexSegment> clip(const GridFrame& frame, const PhotonSegment& se
 // (track) or one crossing (face) of a segment; [function][rgb], then the second moment's rgb.
 inline constexpr std::size_t max_lanes = 30;
 struct SegmentLanes {
-  std::array<float, max_lanes> values{};
+  std::array<float, max_lanes> values;  // the layout's lanes() of them
   std::size_t slot = 0;
 };
-SegmentLanes track_lanes(const DepositTarget& target, const PhotonSegment& segment);
+SegmentLanes track_lanes(const DepositTarget& target, const V3f& w, const Rgb& power_lm);
 // For a face of the given axis, divided by |cos| where the estimator asks for it.
-SegmentLanes face_lanes(const DepositTarget& target, const PhotonSegment& segment, unsigned axis);
+SegmentLanes face_lanes(const DepositTarget& target, const V3f& w, const Rgb& power_lm, unsigned axis);
 
 }  // namespace ivory

@@ -102,7 +102,7 @@ void PhotonDepositor::deposit_all(const std::vector<PhotonSegment>& segments) {
     const float step_m = 1 / std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
     const float first_m = segment.jitter * step_m;
     if (first_m >= inside->length_m) continue;
-    const SegmentLanes a_metre = track_lanes(target_, segment);
+    const SegmentLanes a_metre = track_lanes(target_, inside->w, segment.power_lm);
     Run run;
     run.count = static_cast<int>((inside->length_m - first_m) / step_m) + 1;
     run.start = (inside->start + d * first_m) * 4.0F;
@@ -204,7 +204,7 @@ template <int lanes>
 void PhotonDepositor::walk_cells(const PhotonSegment& segment) {
   const std::optional<IndexSegment> inside = clip(target_.frame, segment);
   if (!inside) return;
-  const SegmentLanes a_metre = track_lanes(target_, segment);
+  const SegmentLanes a_metre = track_lanes(target_, inside->w, segment.power_lm);
   const V3f& d = inside->per_metre;
   constexpr float never = std::numeric_limits<float>::infinity();
 
@@ -258,7 +258,7 @@ void PhotonDepositor::cross_faces(const PhotonSegment& segment) {
   for (unsigned axis = 0; axis < 3; ++axis) {
     const float speed = inside->per_metre[axis];
     if (speed == 0) continue;
-    const SegmentLanes a_crossing = face_lanes(target_, segment, axis);
+    const SegmentLanes a_crossing = face_lanes(target_, inside->w, segment.power_lm, axis);
     // Faces lie at whole index coordinates, which are halves in the shifted ones.
     const float from = inside->start[axis] - 0.5F;
     const float to = from + speed * inside->length_m;

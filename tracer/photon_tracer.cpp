@@ -48,8 +48,9 @@ PhotonTracer::PhotonTracer(const Intersector& intersector, const Lights& lights,
 void PhotonTracer::trace(std::uint64_t begin, std::uint64_t end, std::vector<PhotonSegment>& segments,
                          PhotonLedger& ledger) const {
   const Scene& scene = intersector_.scene();
+  const double units_a_lm = 1 / ledger_unit_lm_;
   const auto units = [&](const Rgb& power) {
-    return static_cast<std::int64_t>(std::llround((double(power.x) + power.y + power.z) / ledger_unit_lm_));
+    return static_cast<std::int64_t>((double(power.x) + double(power.y) + double(power.z)) * units_a_lm + 0.5);
   };
 
   for (std::uint64_t index = begin; index < end; ++index) {

@@ -49,7 +49,14 @@ V4f base_color(const Scene& scene, const Mesh& mesh, const Material& material, i
   return color;
 }
 
-// Directions transform by the linear part, normals by its inverse transpose.
+// Placements are affine: no division by w. Directions transform by the linear part, normals by its inverse
+// transpose.
+V3f transform_point(const V3f& p, const M44f& m) {
+  return {p.x * m[0][0] + p.y * m[1][0] + p.z * m[2][0] + m[3][0],
+          p.x * m[0][1] + p.y * m[1][1] + p.z * m[2][1] + m[3][1],
+          p.x * m[0][2] + p.y * m[1][2] + p.z * m[2][2] + m[3][2]};
+}
+
 V3f transform_direction(const V3f& d, const M44f& m) {
   V3f out;
   m.multDirMatrix(d, out);
@@ -135,7 +142,7 @@ Surface make_surface(const Scene& scene, const Ray& ray, const Hit& hit) {
   const Location at = locate(scene, hit.instance, hit.triangle, hit.barycentric);
   Surface surface;
   // The point comes from the triangle, not from the ray: its error does not grow with the distance.
-  surface.p = interpolate(at.mesh.positions, at.indices(), hit.barycentric) * at.to_world;
+  surface.p = transform_point(interpolate(at.mesh.positions, at.indices(), hit.barycentric), at.to_world);
   surface.front = ray.direction.dot(hit.ng) <= 0;
   surface.ng = surface.front ? hit.ng : -hit.ng;
   surface.ns = shading_normal(scene, at, hit.ng);

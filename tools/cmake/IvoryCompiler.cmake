@@ -4,7 +4,9 @@ target_compile_options(ivory_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
   # Same command, same bytes: a fused multiply-add rounds once where the source says twice, and
   # which of them fuse is the compiler's choice.
-  -ffp-contract=off)
+  -ffp-contract=off
+  # Nobody reads errno after sqrt; without this every root costs a branch and a call that might set it.
+  -fno-math-errno)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   # GCC 12 warns of overlapping copies inside std::string's operator+ (GCC bug 105651).
   target_compile_options(ivory_options INTERFACE -Wno-restrict)
