@@ -370,20 +370,20 @@ TEST(Lights, EnvironmentTexelsLieWhereTheConventionSays) {
   const auto set = [&](int column, int row, float value) {
     map.radiance[std::size_t(row * map.width + column)] = Rgb(value, value, value);
   };
-  set(16, 8, 1);  // right of the centre, below the horizon: -Z, slightly to +X and down
-  set(24, 8, 2);  // three quarters: +X
-  set(8, 8, 3);   // one quarter: -X
-  set(0, 8, 4);   // left edge: +Z
+  set(16, 8, 1);  // right of the centre, below the horizon: +Z, slightly to -X and down
+  set(24, 8, 2);  // three quarters: -X
+  set(8, 8, 3);   // one quarter: +X
+  set(0, 8, 4);   // left edge: -Z
   set(5, 0, 5);   // top row: +Y
   set(5, 15, 6);  // bottom row: -Y
   const float d = 0.01F;
-  EXPECT_EQ(eval(map, V3f(d, -d, -1).normalized()).x, 1);
-  EXPECT_EQ(eval(map, V3f(1, -d, d).normalized()).x, 2);
-  EXPECT_EQ(eval(map, V3f(-1, -d, -d).normalized()).x, 3);
-  EXPECT_EQ(eval(map, V3f(-d, -d, 1).normalized()).x, 4);
+  EXPECT_EQ(eval(map, V3f(-d, -d, 1).normalized()).x, 1);
+  EXPECT_EQ(eval(map, V3f(-1, -d, -d).normalized()).x, 2);
+  EXPECT_EQ(eval(map, V3f(1, -d, d).normalized()).x, 3);
+  EXPECT_EQ(eval(map, V3f(d, -d, -1).normalized()).x, 4);
   const float azimuth = 2 * pi * (5.5F / 32 - 0.5F);
-  EXPECT_EQ(eval(map, V3f(d * std::sin(azimuth), 1, -d * std::cos(azimuth)).normalized()).x, 5);
-  EXPECT_EQ(eval(map, V3f(d * std::sin(azimuth), -1, -d * std::cos(azimuth)).normalized()).x, 6);
+  EXPECT_EQ(eval(map, V3f(-d * std::sin(azimuth), 1, d * std::cos(azimuth)).normalized()).x, 5);
+  EXPECT_EQ(eval(map, V3f(-d * std::sin(azimuth), -1, d * std::cos(azimuth)).normalized()).x, 6);
 }
 
 TEST(Lights, EnvironmentSamplesMatchTheirDensity) {
@@ -405,7 +405,7 @@ TEST(Lights, EnvironmentSamplesMatchTheirDensity) {
     ASSERT_EQ(s->irradiance_weight, lit.lights->environment_radiance(s->w) / s->pdf_solid_angle);
     const int row = std::clamp(int(std::acos(double(s->w.y)) / double(pi) * 8), 0, 7);
     const int column =
-        std::clamp(int((0.5 + std::atan2(double(s->w.x), double(-s->w.z)) / (2 * double(pi))) * 16), 0, 15);
+        std::clamp(int((0.5 + std::atan2(double(-s->w.x), double(s->w.z)) / (2 * double(pi))) * 16), 0, 15);
     counts[std::size_t(row * 16 + column)] += 1;
   }
   for (int row = 0; row < 8; ++row) {
@@ -414,8 +414,8 @@ TEST(Lights, EnvironmentSamplesMatchTheirDensity) {
           2 * double(pi) / 16 * (std::cos(row * double(pi) / 8) - std::cos((row + 1) * double(pi) / 8));
       const double polar = (row + 0.5) * double(pi) / 8;
       const double azimuth = 2 * double(pi) * ((column + 0.5) / 16 - 0.5);
-      const V3f w(float(std::sin(polar) * std::sin(azimuth)), float(std::cos(polar)),
-                  float(-std::sin(polar) * std::cos(azimuth)));
+      const V3f w(float(-std::sin(polar) * std::sin(azimuth)), float(std::cos(polar)),
+                  float(std::sin(polar) * std::cos(azimuth)));
       const double mass = double(lit.lights->environment_pdf_solid_angle(w)) * solid_angle;
       expected[std::size_t(row * 16 + column)] = mass * samples;
       total += mass;

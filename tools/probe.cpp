@@ -204,7 +204,9 @@ void add_probe_command(CLI::App& app, CommonOptions& common) {
       ->group(grids);
 
   const std::string scenes = "For scenes";
-  command->add_option("--env", options->environment, "Lat-long environment map in nits: .exr or .hdr, 2:1")
+  command
+      ->add_option("--env", options->environment,
+                   "Lat-long environment map in nits: .exr or .hdr, 2:1; +Z in the middle, +Y up")
       ->type_name("IMAGE")
       ->group(scenes);
   command

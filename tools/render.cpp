@@ -220,7 +220,9 @@ void add_render_command(CLI::App& app, CommonOptions& common) {
       ->add_option("--camera", options->camera,
                    "The scene's camera, by name or index [the first; a framing view where it has none]")
       ->type_name("NAME|INDEX");
-  command->add_option("--env", options->environment, "Lat-long environment map in nits: .exr or .hdr, 2:1")
+  command
+      ->add_option("--env", options->environment,
+                   "Lat-long environment map in nits: .exr or .hdr, 2:1; +Z in the middle, +Y up")
       ->type_name("IMAGE");
   command->add_flag("--indirect-only", options->indirect_only,
                     "Only light with at least one surface between its source and the first surface seen");

@@ -34,8 +34,8 @@ V3f sample_direction(const EnvironmentLight& light, RandomStream& random) {
   const double bottom = std::cos((row + 1) * step);
   const double y = top + (bottom - top) * double(u.x);
   const double s = std::sqrt(std::max(0.0, (1 - y) * (1 + y)));
-  const double phi = 2 * pi_d * ((column + double(u.y)) / map.width - 0.5);  // atan2(x, -z)
-  return {float(s * std::sin(phi)), float(y), float(-s * std::cos(phi))};
+  const double phi = 2 * pi_d * ((column + double(u.y)) / map.width - 0.5);  // atan2(-x, z)
+  return {float(-s * std::sin(phi)), float(y), float(s * std::cos(phi))};
 }
 
 }  // namespace

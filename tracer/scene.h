@@ -120,8 +120,8 @@ struct DirectionalLight {
 };
 using PunctualLight = std::variant<PointLight, SpotLight, DirectionalLight>;
 
-// Lat-long radiance in nits: row 0 looks towards +Y; u = 0.5 + atan2(x, -z) / (2 pi), so the
-// centre of the image looks along -Z and +X lies to its right.
+// Lat-long radiance in nits, as OpenEXR defines the layout: row 0 looks towards +Y; u = 0.5 + atan2(-x, z) /
+// (2 pi), so the centre of the image looks along +Z and +X lies to its left.
 struct EnvironmentMap {
   int width = 0;
   int height = 0;
