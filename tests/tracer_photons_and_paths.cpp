@@ -97,6 +97,18 @@ TEST(PhotonsAndPaths, AgreeInAGlossyRoom) {
   expect_agreement(scene, V3f(-0.7F, -0.3F, -0.2F));
 }
 
+// Normals bent by up to 35 degrees: photons need the adjoint's correction, which paths do without.
+TEST(PhotonsAndPaths, AgreeWithInterpolatedNormals) {
+  Scene scene = small_room();
+  scene.lights.push_back(SpotLight{V3f(0.8F, 0.8F, 0.8F), V3f(-1, -1, -0.5F).normalized(), Rgb(1, 3, 2), 0.2F, 0.6F});
+  const int matt = add_lambert(scene, Rgb(0.9F, 0.8F, 0.7F));
+  Mesh bent = make_quad({-0.9F, -0.9F, -0.9F}, {0, 0, 1.8F}, {1.8F, 0, 0}, matt);  // above the floor, looks up
+  bent.normals = {V3f(0.7F, 1, 0).normalized(), V3f(0, 1, 0.6F).normalized(), V3f(-0.5F, 1, 0.5F).normalized(),
+                  V3f(0.2F, 1, -0.7F).normalized()};
+  add_mesh(scene, bent);
+  expect_agreement(scene, V3f(-0.3F, -0.7F, -0.2F));
+}
+
 // An open scene: environment, sun, a blended sheet, a textured and mirrored lamp that shines from both sides.
 TEST(PhotonsAndPaths, AgreeUnderTheSky) {
   Scene scene;

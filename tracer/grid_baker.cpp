@@ -114,7 +114,9 @@ GridSums bake_grid_sums(const Intersector& intersector, const Lights& lights, co
   const std::uint64_t photons = params.photons != 0
                                     ? params.photons
                                     : std::max(least_default_photons, default_photons_a_vertex * frame.vertex_count());
-  const auto [begin, end] = params.photon_range.value_or(std::pair<std::uint64_t, std::uint64_t>{0, photons});
+  const auto range = params.photon_range.value_or(std::pair<std::uint64_t, std::uint64_t>{0, photons});
+  const std::uint64_t begin = range.first;  // Clang 14 does not capture structured bindings
+  const std::uint64_t end = range.second;
   if (begin >= end || end > photons)
     throw UsageError("the photon range must be A:B with A below B and B at most the " + std::to_string(photons) +
                      " photons of the whole bake");
@@ -150,9 +152,9 @@ GridSums bake_grid_sums(const Intersector& intersector, const Lights& lights, co
   std::mutex progress_mutex;
   std::uint64_t done = 0;
   const std::uint64_t batches = (end - begin + photons_a_batch - 1) / photons_a_batch;
-  tbb::parallel_for(tbb::blocked_range<std::uint64_t>(0, batches, 4), [&](const auto& range) {
+  tbb::parallel_for(tbb::blocked_range<std::uint64_t>(0, batches, 4), [&](const auto& batch_range) {
     Worker& worker = workers.local();
-    for (std::uint64_t batch = range.begin(); batch < range.end(); ++batch) {
+    for (std::uint64_t batch = batch_range.begin(); batch < batch_range.end(); ++batch) {
       const std::uint64_t first = begin + batch * photons_a_batch;
       const std::uint64_t last = std::min(first + photons_a_batch, end);
       worker.segments.clear();
