@@ -96,20 +96,15 @@ RayContext make_context(const Ray& ray) {
   return context;
 }
 
+RTCRay make_ray(const Ray& ray) {
+  const V3f& o = ray.origin;
+  const V3f& d = ray.direction;
+  return {o.x, o.y, o.z, ray.t_min, d.x, d.y, d.z, 0, ray.t_max, ~0U, 0, 0};
+}
+
 RTCRayHit make_query(const Ray& ray) {
   RTCRayHit query{};
-  query.ray = {ray.origin.x,
-               ray.origin.y,
-               ray.origin.z,
-               ray.t_min,
-               ray.direction.x,
-               ray.direction.y,
-               ray.direction.z,
-               0,
-               ray.t_max,
-               ~0U,
-               0,
-               0};
+  query.ray = make_ray(ray);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
   return query;
@@ -279,21 +274,7 @@ std::uint64_t Intersector::count_hits(std::span<const Ray> rays) const {
 
 std::optional<Hit> Intersector::closest(const Ray& ray) const {
   RayContext context = make_context(ray);
-  RTCRayHit query{};
-  query.ray = {ray.origin.x,
-               ray.origin.y,
-               ray.origin.z,
-               ray.t_min,
-               ray.direction.x,
-               ray.direction.y,
-               ray.direction.z,
-               0,
-               ray.t_max,
-               ~0U,
-               0,
-               0};
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  RTCRayHit query = make_query(ray);
   rtcIntersect1(state_->top, &context.embree, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
 
@@ -317,18 +298,7 @@ std::optional<Hit> Intersector::closest(const Ray& ray) const {
 
 float Intersector::transmittance(const Ray& ray) const {
   RayContext context = make_context(ray);
-  RTCRay query{ray.origin.x,
-               ray.origin.y,
-               ray.origin.z,
-               ray.t_min,
-               ray.direction.x,
-               ray.direction.y,
-               ray.direction.z,
-               0,
-               ray.t_max,
-               ~0U,
-               0,
-               0};
+  RTCRay query = make_ray(ray);
   rtcOccluded1(state_->top, &context.embree, &query);
   return query.tfar < 0 ? 0 : context.transmittance;
 }
