@@ -40,27 +40,29 @@ std::int32_t rounded(float value) { return static_cast<std::int32_t>(value + std
 
 // Adds a step's values to a cell's lanes; true where one of them has come near overflow. Four lanes at a
 // time by hand (GCC and Clang's vector extension): both compilers unroll the plain loop into scalars.
-using Int4 [[gnu::vector_size(16)]] = std::int32_t;
+// Unsigned, because the test for the limit is meant to wrap.
+using UInt4 [[gnu::vector_size(16)]] = std::uint32_t;
 
 template <int lanes>
 inline bool add(std::int32_t* sums, const std::int32_t* values) {
   constexpr std::size_t whole = lanes / 4 * 4;
-  Int4 outside{};
+  constexpr std::uint32_t limit = spill_limit;
+  UInt4 outside{};
   for (std::size_t i = 0; i < whole; i += 4) {
-    Int4 sum;
-    Int4 value;
+    UInt4 sum;
+    UInt4 value;
     std::memcpy(&sum, sums + i, sizeof(sum));
     std::memcpy(&value, values + i, sizeof(value));
     sum += value;
     std::memcpy(sums + i, &sum, sizeof(sum));
-    outside |= sum + spill_limit;  // negative once |sum| passes the limit
+    outside |= sum + limit;  // the top bit is set once |sum| passes the limit
   }
-  std::int32_t any = outside[0] | outside[1] | outside[2] | outside[3];
+  std::uint32_t any = outside[0] | outside[1] | outside[2] | outside[3];
   for (std::size_t i = whole; i < lanes; ++i) {
     sums[i] += values[i];
-    any |= sums[i] + spill_limit;
+    any |= static_cast<std::uint32_t>(sums[i]) + limit;
   }
-  return any < 0;
+  return (any >> 31U) != 0;
 }
 
 // Subcell bit within a cell, from a position in quarters of a voxel.
