@@ -83,11 +83,10 @@ def leak(ivory, quick):
                 print(f"| {name} | {long_side} | {basis} | {' | '.join(cells)} |", flush=True)
 
 
-def rooms(ivory, quick, extra=()):
+def rooms(ivory, quick):
     """NRMSE of indirect E over surface points against path-traced truth."""
     print("| scene | vertices | off | planes | rays |\n|---|---|---|---|---|")
     inputs = [(scene_path(n), os.path.join(SCENES, n + "_points.csv")) for n in ("room_boxes", "room_boxes_rotated")]
-    inputs += extra
     for scene, points in inputs:
         truth = ivory.probe(scene, points, "--indirect-only", "--samples", "1k" if quick else "16k")
         noise = sum(se ** 2 for _, se in truth) / len(truth)

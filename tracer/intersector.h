@@ -16,7 +16,7 @@ struct Ray {
   V3f direction;  // unit
   float t_min = 0;
   float t_max = std::numeric_limits<float>::infinity();
-  // Decides stochastic BLEND coverage along the ray: pass is uniform over 32 bits.
+  // Decides stochastic BLEND coverage along the ray; to be drawn anew, uniform over 32 bits, for each.
   std::uint32_t coverage_seed = 0;
   // glTF culls back faces of single-sided materials for the eye; light meets both sides.
   bool cull_back_faces = false;
