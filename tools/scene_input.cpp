@@ -18,7 +18,7 @@ bool is_scene_name(const std::string& path) {
 }
 
 std::unique_ptr<SceneInput> load_scene_input(const std::string& path, const std::string& environment_path,
-                                             const CommonOptions& common) {
+                                             const CommonOptions& common, const std::function<void(Scene&)>& extend) {
   auto input = std::make_unique<SceneInput>();
   LoadedScene loaded = load_gltf(path);
   input->scene = std::move(loaded.scene);
@@ -30,6 +30,7 @@ std::unique_ptr<SceneInput> load_scene_input(const std::string& path, const std:
     input->origin["environment"] = std::filesystem::path(environment_path).filename().string();
     input->origin["environment_hash"] = file_hash(environment_path);
   }
+  if (extend) extend(input->scene);
   for (const std::string& warning : input->warnings) print_note(common, "warning: " + warning);
   input->intersector = std::make_unique<Intersector>(input->scene);
   input->lights = std::make_unique<Lights>(input->scene, *input->intersector);

@@ -2,6 +2,7 @@
 // that is built from the two.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -27,8 +28,10 @@ struct SceneInput {
 bool is_scene_name(const std::string& path);
 
 // Loads `path` and, unless empty, the lat-long image `environment_path`; prints the loader's
-// warnings as notes. Throws Error as load_gltf() and load_environment() do.
+// warnings as notes. `extend`, unless empty, may add to the scene before the rest is built from it.
+// Throws Error as load_gltf() and load_environment() do.
 std::unique_ptr<SceneInput> load_scene_input(const std::string& path, const std::string& environment_path,
-                                             const CommonOptions& common);
+                                             const CommonOptions& common,
+                                             const std::function<void(Scene&)>& extend = {});
 
 }  // namespace ivory

@@ -1,0 +1,39 @@
+// One kind of file that `ivory probe` reads irradiance from: how it is told from the others, the
+// options that only it reads, and the reading itself.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "grid/metadata.h"
+#include "tools/common.h"
+#include "tools/points_csv.h"
+
+namespace ivory {
+
+struct ProbeEstimates {
+  std::vector<Rgb> e;               // lux, one a point
+  std::vector<Rgb> standard_error;  // of e
+  Metadata facts;                   // for the result: what was read and how
+};
+
+struct ProbeRequest {
+  std::string source;
+  const PointsTable& table;
+  bool indirect_only;  // leave out light straight from its sources
+  const CommonOptions& common;
+};
+
+struct ProbeSource {
+  std::string name;                                      // plural, for messages: "grids"
+  std::vector<std::string> options;                      // that it reads: "--guard"
+  std::function<bool(const std::string& path)> matches;  // by name and, for EXR files, header
+  std::function<ProbeEstimates(const ProbeRequest&)> probe;
+};
+
+// Each adds its options to the command.
+ProbeSource make_grid_source(CLI::App& command);
+ProbeSource make_scene_source(CLI::App& command);
+
+}  // namespace ivory

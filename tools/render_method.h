@@ -1,0 +1,41 @@
+// One way to light a picture, as `ivory render --method NAME` offers it: the options that only it
+// reads, what it checks before work starts, and the rendering itself.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "grid/metadata.h"
+#include "tools/scene_input.h"
+#include "tracer/film.h"
+#include "tracer/render.h"
+
+namespace ivory {
+
+struct RenderRequest {
+  const SceneInput& input;
+  const View& view;
+  const RenderParams& params;
+  bool indirect_only;  // only light with at least one surface between its source and the first surface seen
+  const CommonOptions& common;
+};
+
+struct RenderMethod {
+  std::string name;
+  std::string summary;                 // for the help of --method: "reference path tracer"
+  std::vector<std::string> options;    // that it reads and not every method does: "--grid"
+  std::function<void()> check;         // throws UsageError for what its options lack; runs before the scene is loaded
+  std::function<void(Scene&)> extend;  // adds to the loaded scene before anything is built from it; may be empty
+  std::function<Film(const RenderRequest&)> render;
+  std::function<void(Metadata&)> describe;  // its parameters, for the picture's attributes
+};
+
+// Each adds its options to the command; what the returned functions share lives as long as they do.
+RenderMethod make_path_method(CLI::App& command);
+std::vector<RenderMethod> make_grid_methods(CLI::App& command);  // direct, gather
+
+// A count of a command line as an int; throws UsageError where it is less than `least` or too large.
+int int_count(const char* option, std::uint64_t count, std::uint64_t least);
+
+}  // namespace ivory
