@@ -7,6 +7,7 @@
 
 #include <OpenImageIO/imageio.h>
 
+#include "grid/cube_from_latlong.h"
 #include "grid/error.h"
 #include "grid/memory.h"
 
@@ -72,6 +73,10 @@ Rgb eval(const EnvironmentMap& environment, const V3f& w) {
   const int column = std::clamp(int(u * float(environment.width)), 0, environment.width - 1);
   const int row = std::clamp(int(v * float(environment.height)), 0, environment.height - 1);
   return environment.radiance[std::size_t(row) * std::size_t(environment.width) + std::size_t(column)];
+}
+
+CubeMap cube_from_environment(const EnvironmentMap& environment, int size) {
+  return cube_from_latlong(environment.radiance, environment.width, environment.height, size);
 }
 
 }  // namespace ivory
