@@ -11,7 +11,15 @@
 
 namespace ivory {
 
-enum class StreamPurpose : std::uint32_t { photon = 1, pixel = 2, probe = 3, visibility = 4, test = 5, gather = 6 };
+enum class StreamPurpose : std::uint32_t {
+  photon = 1,
+  pixel = 2,
+  probe = 3,
+  visibility = 4,
+  test = 5,
+  gather = 6,
+  capture = 7
+};
 
 class RandomStream {
  public:
