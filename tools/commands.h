@@ -10,6 +10,7 @@ namespace ivory {
 struct CommonOptions;
 
 void add_bake_grid_command(CLI::App& bake, CommonOptions& common);  // `bake` is the `ivory bake` command
+void add_bake_cubemap_command(CLI::App& bake, CommonOptions& common);
 void add_merge_command(CLI::App& app, CommonOptions& common);
 void add_render_command(CLI::App& app, CommonOptions& common);
 void add_probe_command(CLI::App& app, CommonOptions& common);

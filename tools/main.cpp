@@ -46,6 +46,7 @@ int run(int argc, char** argv) {
   CLI::App* bake = app.add_subcommand("bake", "Bake light into an asset");
   bake->require_subcommand(1);
   ivory::add_bake_grid_command(*bake, common);
+  ivory::add_bake_cubemap_command(*bake, common);
   ivory::add_merge_command(app, common);
   ivory::add_probe_command(app, common);
   ivory::add_render_command(app, common);

@@ -76,6 +76,7 @@ void add_probe_command(CLI::App& app, CommonOptions& common) {
 
   auto sources = std::make_shared<std::vector<ProbeSource>>();
   sources->push_back(make_grid_source(*command));
+  sources->push_back(make_cubemap_source(*command));
   sources->push_back(make_scene_source(*command));
   command->footer(
       "Examples:\n"

@@ -34,6 +34,7 @@ struct ProbeSource {
 
 // Each adds its options to the command.
 ProbeSource make_grid_source(CLI::App& command);
+ProbeSource make_cubemap_source(CLI::App& command);
 ProbeSource make_scene_source(CLI::App& command);
 
 }  // namespace ivory

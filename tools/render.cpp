@@ -15,6 +15,8 @@
 #include "grid/error.h"
 #include "tools/commands.h"
 #include "tools/common.h"
+#include "tools/dynamic_objects.h"
+#include "tools/grid_input.h"
 #include "tools/render_method.h"
 #include "tools/scene_input.h"
 #include "tracer/image_io.h"
@@ -32,6 +34,7 @@ struct RenderOptions {
   std::uint64_t samples = 64;
   std::uint64_t seed = 1;
   Imath::V2i size{640, 480};
+  std::vector<std::string> objects;
   std::optional<float> exposure_stops;
   bool indirect_only = false;
 };
@@ -46,7 +49,7 @@ View choose_view(const RenderOptions& options, const Scene& scene, const Interse
 }
 
 Film render(const RenderOptions& options, const RenderMethod& method, const SceneInput& input,
-            const CommonOptions& common) {
+            const std::vector<bool>& is_object, const CommonOptions& common) {
   const View view = choose_view(options, input.scene, *input.intersector);
   if (input.lights->empty()) print_note(common, fmt::format("warning: nothing in {} emits light", options.scene));
   RenderParams params;
@@ -56,7 +59,7 @@ Film render(const RenderOptions& options, const RenderMethod& method, const Scen
   Progress progress(common, "rendering", "samples");
   const std::uint64_t total = options.samples * std::uint64_t(view.width) * std::uint64_t(view.height);
   params.progress = [&](double fraction) { progress.update(std::uint64_t(fraction * double(total)), total); };
-  return method.render({input, view, params, options.indirect_only, common});
+  return method.render({input, view, params, is_object, options.indirect_only, common});
 }
 
 Metadata describe(const RenderOptions& options, const RenderMethod& method, const SceneInput& input) {
@@ -67,6 +70,7 @@ Metadata describe(const RenderOptions& options, const RenderMethod& method, cons
   m["seed"] = std::int64_t(options.seed);
   m["light"] = std::string(options.indirect_only ? "indirect" : "all");
   m["units"] = std::string("nits");
+  if (!options.objects.empty()) m["objects"] = fmt::format("{}", fmt::join(options.objects, " "));
   method.describe(m);
   return m;
 }
@@ -91,15 +95,24 @@ void note_ignored(const CLI::App& command, const RenderOptions& options, const s
 }
 
 void run_render(const RenderOptions& options, const RenderMethod& method, const CommonOptions& common) {
+  if (method.uses_objects && options.objects.empty())
+    throw UsageError("--method " + options.method + " needs --object FILE.glb@X,Y,Z or a node of the scene");
+  if (method.uses_objects && options.indirect_only)
+    throw UsageError("--method " + options.method + " cannot leave out direct light: --indirect-only serves others");
   if (method.check) method.check();
   for (const std::string& output : options.outputs) {
     check_output(output, common);
     check_image_name(output);
   }
-  const auto input = load_scene_input(options.scene, options.environment, common, method.extend);
+  std::vector<bool> is_object;
+  const auto input = load_scene_input(options.scene, options.environment, common, [&](Scene& scene) {
+    is_object = place_objects(scene, options.objects, common);
+    if (method.extend) method.extend(scene);
+    is_object.resize(scene.instances.size(), false);
+  });
 
   const auto start = std::chrono::steady_clock::now();
-  const Film film = render(options, method, *input, common);
+  const Film film = render(options, method, *input, is_object, common);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
   const Metadata metadata = describe(options, method, *input);
@@ -162,6 +175,12 @@ void add_render_command(CLI::App& app, CommonOptions& common) {
       ->add_option("--env", options->environment,
                    "Lat-long environment map in nits: .exr or .hdr, 2:1; +Z in the middle, +Y up")
       ->type_name("IMAGE");
+  command
+      ->add_option("--object", options->objects,
+                   "An object that moves: a model placed in the scene, or a node of the scene; may be repeated.\n"
+                   "Methods other than cubemap light it like all else")
+      ->allow_extra_args(false)
+      ->type_name("FILE.glb[@X,Y,Z]|NODE");
   command->add_flag("--indirect-only", options->indirect_only,
                     "Only light with at least one surface between its source and the first surface seen");
   command
@@ -172,7 +191,9 @@ void add_render_command(CLI::App& app, CommonOptions& common) {
       ->type_name("STOPS");
   auto methods = std::make_shared<std::vector<RenderMethod>>();
   methods->push_back(make_path_method(*command));
-  for (RenderMethod& method : make_grid_methods(*command)) methods->push_back(std::move(method));
+  const auto grid = add_grid_options(*command, "Baked grid of indirect light");
+  for (RenderMethod& method : make_grid_methods(*command, grid)) methods->push_back(std::move(method));
+  methods->push_back(make_cubemap_method(*command, grid));
   std::vector<std::string> names;
   std::string summary;
   for (const RenderMethod& method : *methods) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,19 +14,23 @@
 
 namespace ivory {
 
+struct GridInputOptions;
+
 struct RenderRequest {
   const SceneInput& input;
   const View& view;
   const RenderParams& params;
+  const std::vector<bool>& is_object;  // for each of the scene's instances: is it one that --object names?
   bool indirect_only;  // only light with at least one surface between its source and the first surface seen
   const CommonOptions& common;
 };
 
 struct RenderMethod {
   std::string name;
-  std::string summary;                 // for the help of --method: "reference path tracer"
-  std::vector<std::string> options;    // that it reads and not every method does: "--grid"
-  std::function<void()> check;         // throws UsageError for what its options lack; runs before the scene is loaded
+  std::string summary;               // for the help of --method: "reference path tracer"
+  std::vector<std::string> options;  // that it reads and not every method does: "--grid"
+  bool uses_objects = false;    // does --object change how it renders? Otherwise objects are just part of the scene
+  std::function<void()> check;  // throws UsageError for what its options lack; runs before the scene is loaded
   std::function<void(Scene&)> extend;  // adds to the loaded scene before anything is built from it; may be empty
   std::function<Film(const RenderRequest&)> render;
   std::function<void(Metadata&)> describe;  // its parameters, for the picture's attributes
@@ -33,7 +38,9 @@ struct RenderMethod {
 
 // Each adds its options to the command; what the returned functions share lives as long as they do.
 RenderMethod make_path_method(CLI::App& command);
-std::vector<RenderMethod> make_grid_methods(CLI::App& command);  // direct, gather
+std::vector<RenderMethod> make_grid_methods(CLI::App& command,
+                                            const std::shared_ptr<GridInputOptions>& grid);  // direct, gather
+RenderMethod make_cubemap_method(CLI::App& command, const std::shared_ptr<GridInputOptions>& grid);
 
 // A count of a command line as an int; throws UsageError where it is less than `least` or too large.
 int int_count(const char* option, std::uint64_t count, std::uint64_t least);

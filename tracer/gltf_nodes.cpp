@@ -193,7 +193,7 @@ class Placer {
     const bool flat =
         std::min({sides[0], sides[1], sides[2]}) < min_scale || volume < 1e-7 * sides[0] * sides[1] * sides[2];
     for (const int primitive : meshes_.of_mesh[mesh]) {
-      Instance instance{primitive, to_float(world)};
+      Instance instance{primitive, to_float(world), int(node)};
       if (flat && !add_flat_mesh(node, instance)) continue;
       check_extent(node, instance);
       scene_.instances.push_back(instance);
@@ -218,7 +218,7 @@ class Placer {
       make_flat_normals(mesh);
       generate_tangents(mesh, normal_use);
     }
-    instance = {int(scene_.meshes.size()), M44f()};
+    instance = {int(scene_.meshes.size()), M44f(), int(node)};
     scene_.meshes.push_back(std::move(mesh));
     return true;
   }
@@ -325,6 +325,7 @@ void place_nodes(Document& document, const MeshSet& meshes, Scene& scene) {
   std::vector<Open> open;
   const std::vector<int> roots = root_nodes(document, parents);
   for (auto root = roots.rbegin(); root != roots.rend(); ++root) open.push_back({std::size_t(*root), M44d(), true});
+  for (std::size_t i = 0; i < parents.size(); ++i) scene.nodes.push_back({document.model.nodes[i].name, parents[i]});
   Placer placer(document, meshes, scene);
   while (!open.empty()) {
     const Open current = open.back();

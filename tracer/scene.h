@@ -93,6 +93,13 @@ struct Mesh {
 struct Instance {
   int mesh = no_index;
   M44f to_world;
+  int node = no_index;  // the scene's node that placed it
+};
+
+// A node of the file; its transform is already part of what it places.
+struct SceneNode {
+  std::string name;
+  int parent = no_index;
 };
 
 struct Camera {
@@ -135,6 +142,7 @@ struct Scene {
   std::vector<Material> materials;
   std::vector<Mesh> meshes;
   std::vector<Instance> instances;
+  std::vector<SceneNode> nodes;
   std::vector<Camera> cameras;
   std::vector<PunctualLight> lights;
   std::optional<EnvironmentMap> environment;

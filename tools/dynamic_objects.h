@@ -1,0 +1,21 @@
+// Objects that a command places in a scene, or finds there: what moves, while the rest stays as it was baked.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/common.h"
+#include "tracer/scene.h"
+
+namespace ivory {
+
+// Adds to `scene` each object given as "FILE.glb", "FILE.glb@X,Y,Z" (moved there, in metres) or as the name of a
+// node of the scene's own file, which takes all below it. Cameras and punctual lights of added files are left
+// out, with a note. Returns for each of the scene's instances whether it belongs to one of the objects.
+// Throws UsageError for names of no node, Error as load_gltf() does and for objects without triangles.
+std::vector<bool> place_objects(Scene& scene, const std::vector<std::string>& objects, const CommonOptions& common);
+
+// Takes a node and all below it out of the scene. Throws UsageError where there is none of that name, or no mesh.
+void remove_node(Scene& scene, const std::string& name);
+
+}  // namespace ivory
