@@ -174,8 +174,8 @@ TEST_F(Images, EnvironmentsAreLatLongFiniteAndNotNegative) {
   const EnvironmentMap map = load_environment(path("good.exr"));
   EXPECT_EQ(map.width, 8);
   EXPECT_EQ(map.radiance, film.pixels);
-  write_image(path("square.exr"), make_film(4, 4), 0, {}, false);
-  EXPECT_THROW(load_environment(path("square.exr")), Error);
+  write_image(path("shapeless.exr"), make_film(5, 4), 0, {}, false);
+  EXPECT_THROW(load_environment(path("shapeless.exr")), Error);
   film.pixels[3].x = -1;
   write_image(path("negative.exr"), film, 0, {}, false);
   EXPECT_THROW(load_environment(path("negative.exr")), Error);

@@ -1,16 +1,18 @@
 // Lat-long environment maps.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "grid/cube_map.h"
+#include "grid/environment_layout.h"
 #include "tracer/scene.h"
 
 namespace ivory {
 
-// Reads any image OpenImageIO knows. Throws Error for unreadable files, an aspect that is not 2:1,
-// and texels that are not finite; negative texels are an error too.
-EnvironmentMap load_environment(const std::string& path);
+// Reads an environment map in any layout (tracer/environment_image.h), resampled to lat-long where it has
+// another. Throws Error as load_environment_image() does.
+EnvironmentMap load_environment(const std::string& path, std::optional<EnvironmentLayout> layout = {});
 
 // Radiance in nits arriving from direction w (unit), the texel that w falls in (piecewise constant,
 // so that sampling and evaluation agree exactly).
