@@ -11,6 +11,8 @@ struct CommonOptions;
 
 void add_bake_grid_command(CLI::App& bake, CommonOptions& common);  // `bake` is the `ivory bake` command
 void add_bake_cubemap_command(CLI::App& bake, CommonOptions& common);
+void add_bake_lobes_command(CLI::App& bake, CommonOptions& common);
+void add_bake_spheres_command(CLI::App& bake, CommonOptions& common);
 void add_merge_command(CLI::App& app, CommonOptions& common);
 void add_render_command(CLI::App& app, CommonOptions& common);
 void add_probe_command(CLI::App& app, CommonOptions& common);

@@ -147,16 +147,21 @@ std::pair<std::uint64_t, std::uint64_t> parse_range(std::string_view option, std
   return {*begin, *end};
 }
 
-V3f parse_vector3(std::string_view option, std::string_view text) {
-  const auto parts = split(text, ',');
-  V3f v;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto value =
-        parts.size() == 3 ? parse_number<float>(parts[std::size_t(axis)]) : std::optional<float>(std::nullopt);
-    if (!value || !std::isfinite(*value)) refuse(option, text, "X,Y,Z");
-    v[axis] = *value;
+std::vector<float> parse_floats(std::string_view option, std::string_view text, std::size_t count,
+                                std::string_view form) {
+  std::vector<float> values;
+  for (const std::string_view part : split(text, ',')) {
+    const auto value = parse_number<float>(part);
+    if (!value || !std::isfinite(*value)) refuse(option, text, form);
+    values.push_back(*value);
   }
-  return v;
+  if (values.size() != count) refuse(option, text, form);
+  return values;
+}
+
+V3f parse_vector3(std::string_view option, std::string_view text) {
+  const std::vector<float> v = parse_floats(option, text, 3, "X,Y,Z");
+  return {v[0], v[1], v[2]};
 }
 
 CLI::Option* add_count_option(CLI::App& command, const std::string& name, std::uint64_t& value,

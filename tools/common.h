@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -51,6 +52,9 @@ Imath::V2i parse_image_size(std::string_view option, std::string_view text);
 std::pair<std::uint64_t, std::uint64_t> parse_range(std::string_view option, std::string_view text);
 // "X,Y,Z", finite.
 V3f parse_vector3(std::string_view option, std::string_view text);
+// `count` finite numbers separated by commas; `form` shows the user how: "X,Y,Z,RADIUS".
+std::vector<float> parse_floats(std::string_view option, std::string_view text, std::size_t count,
+                                std::string_view form);
 
 // Options whose values go through the parsers above. `value` must outlive the parse; what it holds
 // now is shown as the default where it is not zero or empty.

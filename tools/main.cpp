@@ -47,6 +47,8 @@ int run(int argc, char** argv) {
   bake->require_subcommand(1);
   ivory::add_bake_grid_command(*bake, common);
   ivory::add_bake_cubemap_command(*bake, common);
+  ivory::add_bake_lobes_command(*bake, common);
+  ivory::add_bake_spheres_command(*bake, common);
   ivory::add_merge_command(app, common);
   ivory::add_probe_command(app, common);
   ivory::add_render_command(app, common);

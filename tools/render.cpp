@@ -20,6 +20,7 @@
 #include "tools/render_method.h"
 #include "tools/scene_input.h"
 #include "tracer/image_io.h"
+#include "tracer/sphere_light.h"
 
 namespace ivory {
 
@@ -31,6 +32,7 @@ struct RenderOptions {
   std::string method = "path";
   std::string environment;
   std::string camera;
+  std::vector<SphereLight> sphere_lights;
   std::uint64_t samples = 64;
   std::uint64_t seed = 1;
   Imath::V2i size{640, 480};
@@ -107,6 +109,7 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
   std::vector<bool> is_object;
   const auto input = load_scene_input(options.scene, options.environment, common, [&](Scene& scene) {
     is_object = place_objects(scene, options.objects, common);
+    for (const SphereLight& light : options.sphere_lights) add_sphere_light(scene, light, "--sphere-light");
     if (method.extend) method.extend(scene);
     is_object.resize(scene.instances.size(), false);
   });
@@ -189,11 +192,24 @@ void add_render_command(CLI::App& app, CommonOptions& common) {
           "Stops for tone-mapped pictures [mean luminance to middle grey, highlights to white]")
       ->check(CLI::Range(-100.0F, 100.0F))
       ->type_name("STOPS");
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--sphere-light",
+          [options](const std::vector<std::string>& texts) {
+            for (const std::string& text : texts) {
+              const std::vector<float> v = parse_floats("--sphere-light", text, 7, "X,Y,Z,RADIUS,R,G,B");
+              options->sphere_lights.push_back({V3f(v[0], v[1], v[2]), v[3], Rgb(v[4], v[5], v[6])});
+            }
+          },
+          "Adds a ball of light: place and radius in metres, radiance in nits; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("X,Y,Z,RADIUS,R,G,B");
   auto methods = std::make_shared<std::vector<RenderMethod>>();
   methods->push_back(make_path_method(*command));
   const auto grid = add_grid_options(*command, "Baked grid of indirect light");
   for (RenderMethod& method : make_grid_methods(*command, grid)) methods->push_back(std::move(method));
   methods->push_back(make_cubemap_method(*command, grid));
+  methods->push_back(make_lobes_method(*command));
   std::vector<std::string> names;
   std::string summary;
   for (const RenderMethod& method : *methods) {

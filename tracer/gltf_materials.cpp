@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tracer/gltf_extras.h"
+
 namespace ivory::gltf {
 namespace {
 
@@ -79,6 +81,7 @@ Material make_material(Document& document, std::size_t index) {
   if (parsed.alphaMode == "BLEND") material.alpha_mode = AlphaMode::blend;
   material.alpha_cutoff = float(parsed.alphaCutoff);
   material.double_sided = parsed.doubleSided;
+  material.lafortune = read_lafortune(document, index);
 
   if (const json* extension = find_extension(source, "KHR_materials_pbrSpecularGlossiness")) {
     material.specular_glossiness = true;

@@ -41,6 +41,16 @@ struct TextureUse {
 
 enum class AlphaMode { opaque, mask, blend };
 
+// One lobe of Lafortune et al.'s reflectance model (1997): f = k max(cx wx vx + cy wy vy + cz wz vz, 0)^exponent in
+// the frame (tangent, bitangent, normal). c = (-1, -1, 1) is a mirror direction.
+struct LafortuneLobe {
+  Rgb k{0, 0, 0};  // 1/sr
+  V3f c{-1, -1, 1};
+  float exponent = 0;
+  bool tinted = false;  // k is multiplied by the base colour
+};
+inline constexpr std::size_t max_lafortune_lobes = 7;
+
 // glTF's metallic-roughness model with KHR_materials_specular, _ior and _emissive_strength, or,
 // where the file uses KHR_materials_pbrSpecularGlossiness, that model (specular_glossiness true).
 struct Material {
@@ -68,6 +78,9 @@ struct Material {
 
   TextureUse normal_texture;  // linear, tangent space
   float normal_scale = 1;
+
+  // extras.ivory_lafortune: replaces the specular lobe where reflectance is made of cosine lobes.
+  std::vector<LafortuneLobe> lafortune;
 
   AlphaMode alpha_mode = AlphaMode::opaque;
   float alpha_cutoff = 0.5F;
@@ -127,6 +140,15 @@ struct DirectionalLight {
 };
 using PunctualLight = std::variant<PointLight, SpotLight, DirectionalLight>;
 
+// A ball that emits the same radiance everywhere and in all directions. Rays meet it as a mesh: see
+// add_sphere_light() (sphere_light.h).
+struct SphereLight {
+  V3f center;
+  float radius_m = 0;
+  Rgb radiance_nits;
+  int instance = no_index;  // of that mesh
+};
+
 // Lat-long radiance in nits, as OpenEXR defines the layout: row 0 looks towards +Y; u = 0.5 + atan2(-x, z) /
 // (2 pi), so the centre of the image looks along +Z and +X lies to its left.
 struct EnvironmentMap {
@@ -145,6 +167,7 @@ struct Scene {
   std::vector<SceneNode> nodes;
   std::vector<Camera> cameras;
   std::vector<PunctualLight> lights;
+  std::vector<SphereLight> sphere_lights;
   std::optional<EnvironmentMap> environment;
   std::string content_hash;  // of the file and everything it refers to, hexadecimal
 };

@@ -1,0 +1,47 @@
+// Direct light of spherical lights by products of cosine lobes, with soft shadows from sphere sets; and its Monte
+// Carlo twin, which differs in nothing but how the integral is done.
+#pragma once
+
+#include "grid/lobe_visibility.h"
+#include "tracer/lobe_reflectance.h"
+#include "tracer/render.h"
+
+namespace ivory {
+
+// Who casts shadows, and how the light is integrated.
+enum class LobeShadows {
+  lobes,    // sphere sets; masks and lobe products
+  none,     // nothing; lobe products
+  spheres,  // sphere sets; Monte Carlo, stratified over the light
+  mesh,     // the scene's triangles; Monte Carlo, stratified over the light
+};
+
+struct LobeParams {
+  LobeShadows shadows = LobeShadows::lobes;
+  int mask_depth = 4;  // cells a side of the mask: 2^depth; 0 to max_mask_depth
+  MaskRule mask_rule = MaskRule::center;
+  // Products estimated below this fraction of the lobe's unshadowed light are dropped. 0 keeps all.
+  float threshold = 1e-3F;
+  // A light that a glossy lobe is narrower than is taken as up to 4^n leaves of its own, so that reflections keep
+  // the light's edge; 0 takes it as one lobe always.
+  int max_split_level = 3;
+  int shadow_rays = 64;  // a light and sample, for spheres and mesh
+};
+
+struct LobeScene {
+  LobeTable table;
+  std::vector<SphereLight> lights;
+  std::vector<Sphere> occluders;  // the sphere sets', placed, and the lights themselves
+};
+
+// Radiance in nits that `reflectance` sends on from the lights, seen from p with geometric normal ng.
+// `random` is drawn from by the Monte Carlo twin alone. Lights that hold p give nothing; spheres that hold p cast no
+// shadow there.
+Rgb lobe_direct_light(const LobeScene& lobes, const Intersector& intersector, const V3f& p, const V3f& ng,
+                      const LobeReflectance& reflectance, const LobeParams& params, RandomStream& random);
+
+// What the eye sees: emission and direct light of the first surface.
+Film render_lobes(const LobeScene& lobes, const Intersector& intersector, const View& view, const RenderParams& render,
+                  const LobeParams& params);
+
+}  // namespace ivory
