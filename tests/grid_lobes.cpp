@@ -119,7 +119,9 @@ TEST(LobeTable, ProductDoesNotDependOnOrderOrFrame) {
     EXPECT_NEAR(lobe_integral(pq), integral, 1e-5F * integral + 1e-30F);
     EXPECT_NEAR(lobe_integral(qp), integral, 2e-5F * integral + 1e-30F);
     EXPECT_NEAR(pq.exponent, qp.exponent, 1e-4F * (1 + pq.exponent));
-    if (a.dot(b) > -0.99F) EXPECT_LT((pq.axis - qp.axis).length() * std::sqrt(pq.exponent + 1), 1e-2F);
+    if (a.dot(b) > -0.99F) {
+      EXPECT_LT((pq.axis - qp.axis).length() * std::sqrt(pq.exponent + 1), 1e-2F);
+    }
     EXPECT_NEAR(pq.axis.length(), 1, 1e-6F);
   }
 }

@@ -45,6 +45,7 @@ void append(Scene& scene, Scene object, const V3f& translation) {
   const int materials = int(scene.materials.size());
   const int meshes = int(scene.meshes.size());
   const int nodes = int(scene.nodes.size());
+  const int instances = int(scene.instances.size());
   const auto shift = [](int& handle, int by) {
     if (handle != no_index) handle += by;
   };
@@ -61,6 +62,10 @@ void append(Scene& scene, Scene object, const V3f& translation) {
     shift(instance.node, nodes);
     for (unsigned c = 0; c < 3; ++c) instance.to_world[3][c] += translation[c];
   }
+  for (SphereLight& light : object.sphere_lights) {
+    shift(light.instance, instances);
+    light.center += translation;
+  }
   const auto move = [](auto& to, auto& from) {
     to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
   };
@@ -70,6 +75,7 @@ void append(Scene& scene, Scene object, const V3f& translation) {
   move(scene.meshes, object.meshes);
   move(scene.nodes, object.nodes);
   move(scene.instances, object.instances);
+  move(scene.sphere_lights, object.sphere_lights);
 }
 
 struct ObjectFile {
@@ -111,10 +117,18 @@ std::vector<bool> place_objects(Scene& scene, const std::vector<std::string>& ob
 void remove_node(Scene& scene, const std::string& name) {
   const std::vector<bool> found = instances_below(scene, name);
   std::vector<Instance> kept;
+  std::vector<SphereLight> kept_lights;
   for (std::size_t i = 0; i < found.size(); ++i) {
-    if (!found[i]) kept.push_back(scene.instances[i]);
+    if (found[i]) continue;
+    for (SphereLight light : scene.sphere_lights) {
+      if (light.instance != int(i)) continue;
+      light.instance = int(kept.size());
+      kept_lights.push_back(light);
+    }
+    kept.push_back(scene.instances[i]);
   }
   scene.instances = std::move(kept);
+  scene.sphere_lights = std::move(kept_lights);
 }
 
 }  // namespace ivory

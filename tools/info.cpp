@@ -10,7 +10,9 @@
 #include <nlohmann/json.hpp>
 
 #include "grid/error.h"
+#include "grid/io_exr.h"
 #include "grid/io_image_info.h"
+#include "grid/io_spheres.h"
 #include "grid/io_vdb.h"
 #include "tools/commands.h"
 #include "tools/common.h"
@@ -50,6 +52,35 @@ Json vdb_json(const std::string& path) {
   return json;
 }
 
+Json exr_asset_json(const std::string& path, const std::string& kind) {
+  const ExrAsset asset = read_exr(path, kind, "bake it again");
+  Json json{{"kind", kind}, {"width", asset.width}, {"height", asset.height}, {"channels", asset.channels}};
+  json.update(json_of(asset.metadata));
+  for (const auto& [key, list] : asset.lists) json[key] = list;
+  return json;
+}
+
+Json spheres_json(const std::string& path) {
+  const SphereSet set = read_spheres(path);
+  Json json{{"kind", "spheres"}, {"spheres", set.spheres.size()}};
+  Box3f box;
+  float smallest = set.spheres.front().radius_m;
+  float largest = 0;
+  for (const Sphere& s : set.spheres) {
+    const V3f r(s.radius_m, s.radius_m, s.radius_m);
+    box.extendBy(s.center - r);
+    box.extendBy(s.center + r);
+    smallest = std::min(smallest, s.radius_m);
+    largest = std::max(largest, s.radius_m);
+  }
+  json["radius_min_m"] = shortest(smallest);
+  json["radius_max_m"] = shortest(largest);
+  json["bounds_min_m"] = vector_json(box.min);
+  json["bounds_max_m"] = vector_json(box.max);
+  json.update(json_of(set.metadata));
+  return json;
+}
+
 Json scene_json(const std::string& path, const CommonOptions& common) {
   // The warnings are part of the result here.
   CommonOptions silent = common;
@@ -82,7 +113,8 @@ Json scene_json(const std::string& path, const CommonOptions& common) {
             {"cameras", scene.cameras.size()},
             {"point_lights", points},
             {"spot_lights", spots},
-            {"directional_lights", suns}};
+            {"directional_lights", suns},
+            {"spherical_lights", scene.sphere_lights.size()}};
   if (const Box3f box = bounds(scene); !box.isEmpty()) {
     json["bounds_min_m"] = vector_json(box.min);
     json["bounds_max_m"] = vector_json(box.max);
@@ -110,6 +142,10 @@ void run_info(const std::string& path, const CommonOptions& common) {
     json.update(vdb_json(path));
   } else if (is_scene_name(path)) {
     json.update(scene_json(path, common));
+  } else if (is_sphere_set(path)) {
+    json.update(spheres_json(path));
+  } else if (const std::string kind = exr_asset_kind(path); !kind.empty()) {
+    json.update(exr_asset_json(path, kind));
   } else {
     json["kind"] = "image";
     json.update(json_of(read_image_info(path)));
@@ -132,7 +168,9 @@ void run_info(const std::string& path, const CommonOptions& common) {
 void add_info_command(CLI::App& app, CommonOptions& common) {
   auto* command = app.add_subcommand("info", "What a file holds and how it was made: grids, parts, scenes, images");
   auto path = std::make_shared<std::string>();
-  command->add_option("file", *path, "File: .vdb, .gltf, .glb, or an image")->required()->type_name("FILE");
+  command->add_option("file", *path, "File: .vdb, .gltf, .glb, a baked .exr or .json, or an image")
+      ->required()
+      ->type_name("FILE");
   command->footer(
       "Lengths are in metres, powers in lumen (R G B), irradiance in lux.\n"
       "Examples:\n"
