@@ -159,8 +159,7 @@ std::vector<double> fitted(const CapturedCube& captured, const Layout& layout) {
   System system;
   system.triangles.resize(layout.vertices.size() / 2);
   system.right.assign(layout.vertex_count, 0.0);
-  std::vector<double> least(layout.vertex_count, 1e300);
-  std::vector<double> most(layout.vertex_count, 0.0);
+  double nearest = 0;
   for_each_texel(layout.coarse, [&](std::size_t i, int, int, int) {
     const std::uint32_t* v = &layout.vertices[4 * i];
     system.triangles[2 * i].vertices = {v[0], v[1], v[3]};
@@ -183,12 +182,8 @@ std::vector<double> fitted(const CapturedCube& captured, const Layout& layout) {
     triangle.matrix[3] += weight * b[1] * b[1];
     triangle.matrix[4] += weight * b[1] * b[2];
     triangle.matrix[5] += weight * b[2] * b[2];
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t vertex = triangle.vertices[k];
-      system.right[vertex] += weight * b[k] * v;
-      least[vertex] = std::min(least[vertex], v);
-      most[vertex] = std::max(most[vertex], v);
-    }
+    for (std::size_t k = 0; k < 3; ++k) system.right[triangle.vertices[k]] += weight * b[k] * v;
+    nearest = std::max(nearest, v);
   });
   // A weak pull towards the distance at the vertex itself decides where few captured texels say anything.
   const std::vector<double> start = at_corners(captured, layout);
@@ -198,10 +193,8 @@ std::vector<double> fitted(const CapturedCube& captured, const Layout& layout) {
   for (std::size_t i = 0; i < start.size(); ++i) system.right[i] += weight * start[i];
   std::vector<double> solution = start;
   solve(system, solution);
-  // Least squares overshoots where depth jumps; no vertex leaves the range of what lies around it.
-  for (std::size_t i = 0; i < solution.size(); ++i) {
-    if (least[i] <= most[i]) solution[i] = std::clamp(solution[i], least[i], most[i]);
-  }
+  // Least squares overshoots where depth jumps, but neither beyond the sky nor nearer than all that was seen.
+  for (double& v : solution) v = std::clamp(v, 0.0, nearest);
   return solution;
 }
 
