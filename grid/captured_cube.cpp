@@ -159,7 +159,6 @@ std::vector<double> fitted(const CapturedCube& captured, const Layout& layout) {
   System system;
   system.triangles.resize(layout.vertices.size() / 2);
   system.right.assign(layout.vertex_count, 0.0);
-  double nearest = 0;
   for_each_texel(layout.coarse, [&](std::size_t i, int, int, int) {
     const std::uint32_t* v = &layout.vertices[4 * i];
     system.triangles[2 * i].vertices = {v[0], v[1], v[3]};
@@ -183,7 +182,6 @@ std::vector<double> fitted(const CapturedCube& captured, const Layout& layout) {
     triangle.matrix[4] += weight * b[1] * b[2];
     triangle.matrix[5] += weight * b[2] * b[2];
     for (std::size_t k = 0; k < 3; ++k) system.right[triangle.vertices[k]] += weight * b[k] * v;
-    nearest = std::max(nearest, v);
   });
   // A weak pull towards the distance at the vertex itself decides where few captured texels say anything.
   const std::vector<double> start = at_corners(captured, layout);
@@ -193,8 +191,8 @@ std::vector<double> fitted(const CapturedCube& captured, const Layout& layout) {
   for (std::size_t i = 0; i < start.size(); ++i) system.right[i] += weight * start[i];
   std::vector<double> solution = start;
   solve(system, solution);
-  // Least squares overshoots where depth jumps, but neither beyond the sky nor nearer than all that was seen.
-  for (double& v : solution) v = std::clamp(v, 0.0, nearest);
+  // Least squares overshoots where depth jumps, but not beyond the sky.
+  for (double& v : solution) v = std::max(v, 0.0);
   return solution;
 }
 

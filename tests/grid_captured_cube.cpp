@@ -109,7 +109,7 @@ TEST(CapturedCube, FitIsTheBestShell) {
       }
       lower += misfit(captured, other) < least ? 1 : 0;
     }
-    // But for the weak pull towards single distances, and vertices held at the range's ends.
+    // But for the weak pull towards single distances.
     EXPECT_LE(lower, 1) << size;
   }
 }
