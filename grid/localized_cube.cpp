@@ -7,6 +7,7 @@
 #include <string>
 
 #include "grid/error.h"
+#include "grid/fast_angle.h"
 
 // From a receiver at P relative to the origin, the shell's vertex q / v lies in direction
 //
@@ -43,34 +44,31 @@ CubeMethod cube_method_from_name(std::string_view text) {
 
 namespace {
 
+float largest(const V3f& a) { return std::max(std::abs(a.x), std::max(std::abs(a.y), std::abs(a.z))); }
+
+// The receiver in a face's own axes, right, down and forward: there q is (s, t, 1).
 struct Receiver {
   V3f p;  // relative to the origin
   V3f n;
 };
 
-float largest(const V3f& a) { return std::max(std::abs(a.x), std::max(std::abs(a.y), std::abs(a.z))); }
-
-// Coordinates up to 1, or none: products of three such vectors do not overflow.
-V3f scaled(const V3f& r) {
-  const float m = largest(r);
-  return m > 1e-30F ? r * (1.0F / m) : V3f(0, 0, 0);
+V3f to_face(const CubeFaceAxes& axes, const V3f& a) {
+  return {a.dot(axes.right), a.dot(axes.down), a.dot(axes.forward)};
 }
 
-// Where a texel's corners lie on the cube. By the edges' own coordinates, not by adding steps, so that
-// neighbours agree to the last bit.
-struct TexelFrame {
-  const CubeFaceAxes& axes;
-  float s[2];
-  float t[2];
-
-  TexelFrame(const CubeFaceAxes& face, int size, int row, int column) : axes(face) {
-    for (int k = 0; k < 2; ++k) {
-      s[k] = float(cube_edge(size, column + k));
-      t[k] = float(cube_edge(size, row + k));
-    }
-  }
-  V3f corner(int right, int down) const { return axes.forward + axes.right * s[right] + axes.down * t[down]; }
+// A corner of a texel as the receiver sees it: direction, of any length, and height above the horizon.
+struct Corner {
+  V3f r;
+  float h;
 };
+
+Corner see_corner(float s, float t, float v, const Receiver& receiver) {
+  V3f r(s - v * receiver.p.x, t - v * receiver.p.y, 1 - v * receiver.p.z);
+  // Products of such vectors stay within a float's range.
+  const float m = largest(r);
+  if (m > 1e6F) r *= 1.0F / m;
+  return {r, r.dot(receiver.n)};
+}
 
 // Angle between a and b times the cosine between n and the normal of the plane through both: one term of
 // Lambert's sum (eq. 1 of the paper, without its 1/2). atan2 keeps its accuracy near 0 and pi, where acos of a
@@ -80,68 +78,81 @@ float edge_term(const V3f& a, const V3f& b, const V3f& n) {
   const V3f c = a.cross(b);
   const float sine = std::sqrt(c.dot(c));
   if (!(sine > 0)) return 0;
-  return std::atan2(sine, a.dot(b)) * (c.dot(n) / sine);
+  return fast_angle(sine, a.dot(b)) * (c.dot(n) / sine);
 }
 
-// The edge's part above the horizon; ha and hb are the heights n.a, n.b.
-float edge_term_above(const V3f& a, float ha, const V3f& b, float hb, const V3f& n) {
-  if (ha >= 0 && hb >= 0) return edge_term(a, b, n);
-  if (ha < 0 && hb < 0) return 0;
-  const V3f x = a + (b - a) * (ha / (ha - hb));
-  return ha >= 0 ? edge_term(a, x, n) : edge_term(x, b, n);
+// Where the edge from a to b meets the horizon; the two lie on either side.
+V3f horizon_crossing(const Corner& a, const Corner& b) { return a.r + (b.r - a.r) * (a.h / (a.h - b.h)); }
+
+// The part of the edge that lies above the horizon, or all of it.
+float edge_term(const Corner& a, const Corner& b, const V3f& n, bool cut) {
+  if (!cut || (a.h >= 0 && b.h >= 0)) return edge_term(a.r, b.r, n);
+  if (a.h < 0 && b.h < 0) return 0;
+  const V3f x = horizon_crossing(a, b);
+  return a.h >= 0 ? edge_term(a.r, x, n) : edge_term(x, b.r, n);
 }
 
 // A triangle cut at the horizon gains an edge within it, from where its outline sinks to where it rises again.
 // Its term is the angle between the two, signed about n.
-float horizon_term(const V3f& a, float ha, const V3f& b, float hb, const V3f& c, float hc, const V3f& n) {
+float horizon_term(const Corner& a, const Corner& b, const Corner& c, const V3f& n) {
   V3f sinks(0, 0, 0);
   V3f rises(0, 0, 0);
-  const auto meet = [&](const V3f& from, float h_from, const V3f& to, float h_to) {
-    if ((h_from >= 0) == (h_to >= 0)) return;
-    const V3f x = from + (to - from) * (h_from / (h_from - h_to));
-    (h_from >= 0 ? sinks : rises) = x;
+  const auto follow = [&](const Corner& from, const Corner& to) {
+    if ((from.h >= 0) != (to.h >= 0)) (from.h >= 0 ? sinks : rises) = horizon_crossing(from, to);
   };
-  meet(a, ha, b, hb);
-  meet(b, hb, c, hc);
-  meet(c, hc, a, ha);
-  return std::atan2(sinks.cross(rises).dot(n), sinks.dot(rises));
+  follow(a, b);
+  follow(b, c);
+  follow(c, a);
+  return fast_angle(sinks.cross(rises).dot(n), sinks.dot(rises));
 }
 
-// Twice the form factor of one texel, times pi: of the triangles 00-10-11 and 00-11-01, counter-clockwise from
-// inside. Both carry the same radiance, so that their common edge, run through once in each direction,
-// cancels and is left out. A triangle seen from behind, where the shell folds over itself as seen from p,
-// counts negative: it stands between p and the part of the shell that it covers, and takes that part's light
-// away. This is what makes all texels together cover each direction exactly once.
-float polygon_texel(const TexelFrame& frame, const TexelCorners& v, const Receiver& receiver, bool cut) {
-  const V3f r00 = scaled(frame.corner(0, 0) - receiver.p * v[0]);
-  const V3f r10 = scaled(frame.corner(1, 0) - receiver.p * v[1]);
-  const V3f r01 = scaled(frame.corner(0, 1) - receiver.p * v[2]);
-  const V3f r11 = scaled(frame.corner(1, 1) - receiver.p * v[3]);
+// Calls add(texel, form factor times pi) for all texels of a face.
+//
+// A texel is the triangles 00-10-11 and 00-11-01, counter-clockwise from inside. Both carry the same radiance, so
+// that their common edge, run through once in each direction, cancels and is left out; and a texel's right edge
+// is the left one of the next, the other way round. A triangle seen from behind, where the shell folds
+// over itself as seen from p, counts negative: it stands between p and the part of the shell that it covers, and
+// takes that part's light away. This is what makes all texels together cover each direction exactly once.
+template <typename Add>
+void add_polygons(const LocalizedCube& cube, int face, const Receiver& receiver, bool cut, const Add& add) {
+  const int size = cube.radiance.size;
   const V3f& n = receiver.n;
-  if (!cut) return edge_term(r00, r10, n) + edge_term(r10, r11, n) + edge_term(r11, r01, n) + edge_term(r01, r00, n);
-
-  const float h00 = r00.dot(n);
-  const float h10 = r10.dot(n);
-  const float h01 = r01.dot(n);
-  const float h11 = r11.dot(n);
-  if (h00 < 0 && h10 < 0 && h01 < 0 && h11 < 0) return 0;
-  float sum = edge_term_above(r00, h00, r10, h10, n) + edge_term_above(r10, h10, r11, h11, n) +
-              edge_term_above(r11, h11, r01, h01, n) + edge_term_above(r01, h01, r00, h00, n);
-  if (h00 >= 0 && h10 >= 0 && h01 >= 0 && h11 >= 0) return sum;
-  sum += horizon_term(r00, h00, r10, h10, r11, h11, n);
-  sum += horizon_term(r00, h00, r11, h11, r01, h01, n);
-  return sum;
+  for (int row = 0; row < size; ++row) {
+    const float t0 = float(cube_edge(size, row));
+    const float t1 = float(cube_edge(size, row + 1));
+    std::size_t texel = cube_index(size, face, row, 0);
+    Corner r00 = see_corner(-1, t0, cube.corners[texel][0], receiver);
+    Corner r01 = see_corner(-1, t1, cube.corners[texel][2], receiver);
+    float left = edge_term(r01, r00, n, cut);
+    for (int column = 0; column < size; ++column, ++texel) {
+      const float s1 = float(cube_edge(size, column + 1));
+      const Corner r10 = see_corner(s1, t0, cube.corners[texel][1], receiver);
+      const Corner r11 = see_corner(s1, t1, cube.corners[texel][3], receiver);
+      const float right = edge_term(r10, r11, n, cut);
+      float sum = edge_term(r00, r10, n, cut) + right + edge_term(r11, r01, n, cut) + left;
+      const bool above = r00.h >= 0;
+      if (cut && (above != (r10.h >= 0) || above != (r01.h >= 0) || above != (r11.h >= 0)))
+        sum += horizon_term(r00, r10, r11, n) + horizon_term(r00, r11, r01, n);
+      add(texel, 0.5F * sum);
+      r00 = r10;
+      r01 = r11;
+      left = -right;
+    }
+  }
 }
 
 // With the texel's centre in direction r and its sides r_u, r_v, the patch covers the solid angle
 // det(r, r_u, r_v) / |r|^3 as seen from p: the area times cosine over distance squared of the point-to-point form
 // factor, written without dividing by v. Nearer than a ten-thousandth of its size the patch counts as
 // that far away, which keeps the answer finite but not small.
-float point_texel(const TexelFrame& frame, const TexelCorners& v, const Receiver& receiver) {
-  const V3f r00 = frame.corner(0, 0) - receiver.p * v[0];
-  const V3f r10 = frame.corner(1, 0) - receiver.p * v[1];
-  const V3f r01 = frame.corner(0, 1) - receiver.p * v[2];
-  const V3f r11 = frame.corner(1, 1) - receiver.p * v[3];
+float point_texel(float s, float t, float step, const TexelCorners& v, const Receiver& receiver) {
+  const auto see = [&](float right, float down, float inverse_depth) {
+    return V3f(s + right, t + down, 1) - receiver.p * inverse_depth;
+  };
+  const V3f r00 = see(0, 0, v[0]);
+  const V3f r10 = see(step, 0, v[1]);
+  const V3f r01 = see(0, step, v[2]);
+  const V3f r11 = see(step, step, v[3]);
   const float m = std::max(std::max(largest(r00), largest(r10)), std::max(largest(r01), largest(r11)));
   if (!(m > 1e-30F)) return 0;
   const float scale = 1.0F / m;
@@ -153,6 +164,18 @@ float point_texel(const TexelFrame& frame, const TexelCorners& v, const Receiver
   if (!(height > 0) || !(facing > 0)) return 0;
   const float r2 = std::max(r.dot(r), 1e-8F * (u.dot(u) + w.dot(w)));
   return height / std::sqrt(r2) * (facing / (r2 * std::sqrt(r2)));
+}
+
+template <typename Add>
+void add_points(const LocalizedCube& cube, int face, const Receiver& receiver, const Add& add) {
+  const int size = cube.radiance.size;
+  const float step = 2.0F / float(size);
+  std::size_t texel = cube_index(size, face, 0, 0);
+  for (int row = 0; row < size; ++row) {
+    for (int column = 0; column < size; ++column, ++texel)
+      add(texel, point_texel(float(cube_edge(size, column)), float(cube_edge(size, row)), step, cube.corners[texel],
+                             receiver));
+  }
 }
 
 // The texel's share of a coordinate in [-1, 1]: its index and how far into it.
@@ -187,35 +210,29 @@ V3f inside_shell(const LocalizedCube& cube, const V3f& offset) {
 }
 
 Rgb irradiance(const LocalizedCube& cube, CubeMethod method, const V3f& p, const V3f& n) {
-  const V3f offset = p - cube.origin_m;
-  const Receiver receiver{method == CubeMethod::convolved ? V3f(0, 0, 0) : inside_shell(cube, offset), n};
-  const int size = cube.radiance.size;
+  const V3f offset = method == CubeMethod::convolved ? V3f(0, 0, 0) : inside_shell(cube, p - cube.origin_m);
   Rgb sum(0, 0, 0);
   Rgb brightest(0, 0, 0);
-  std::size_t i = 0;
+  const auto add = [&](std::size_t texel, float factor) {
+    const Rgb& radiance = cube.radiance.texels[texel];
+    sum += radiance * factor;
+    for (int c = 0; c < 3; ++c) brightest[c] = std::max(brightest[c], radiance[c]);
+  };
+  const auto add_positive = [&](std::size_t texel, float factor) { add(texel, std::max(factor, 0.0F)); };
   for (int face = 0; face < cube_faces; ++face) {
     const CubeFaceAxes& axes = cube_face_axes(face);
-    for (int row = 0; row < size; ++row) {
-      for (int column = 0; column < size; ++column, ++i) {
-        const TexelFrame frame(axes, size, row, column);
-        const TexelCorners& v = cube.corners[i];
-        float factor = 0;
-        switch (method) {
-          case CubeMethod::convolved:
-          case CubeMethod::polygon:
-            factor = 0.5F * polygon_texel(frame, v, receiver, /*cut=*/true);
-            break;
-          case CubeMethod::polygon_paper:
-            factor = std::max(0.0F, 0.5F * polygon_texel(frame, v, receiver, /*cut=*/false));
-            break;
-          case CubeMethod::point:
-            factor = point_texel(frame, v, receiver);
-            break;
-        }
-        const Rgb& radiance = cube.radiance.texels[i];
-        sum += radiance * factor;
-        for (int c = 0; c < 3; ++c) brightest[c] = std::max(brightest[c], radiance[c]);
-      }
+    const Receiver receiver{to_face(axes, offset), to_face(axes, n)};
+    switch (method) {
+      case CubeMethod::convolved:
+      case CubeMethod::polygon:
+        add_polygons(cube, face, receiver, /*cut=*/true, add);
+        break;
+      case CubeMethod::polygon_paper:
+        add_polygons(cube, face, receiver, /*cut=*/false, add_positive);
+        break;
+      case CubeMethod::point:
+        add_points(cube, face, receiver, add);
+        break;
     }
   }
   const bool bounded = method == CubeMethod::polygon || method == CubeMethod::convolved;

@@ -145,6 +145,7 @@ void add_bench_command(CLI::App& app, CommonOptions& common) {
   tracer->footer("Example:\n  ivory bench tracer scenes/cornell_box.gltf --json");
   set_action(*tracer, common, Output::none, [options, &common] { run(*options, common); });
   add_lookup_bench(*bench, common);
+  add_bench_cubemap_command(*bench, common);
 }
 
 }  // namespace ivory

@@ -19,5 +19,6 @@ void add_probe_command(CLI::App& app, CommonOptions& common);
 void add_compare_command(CLI::App& app, CommonOptions& common);
 void add_info_command(CLI::App& app, CommonOptions& common);
 void add_bench_command(CLI::App& app, CommonOptions& common);
+void add_bench_cubemap_command(CLI::App& bench, CommonOptions& common);  // `bench` is the `ivory bench` command
 
 }  // namespace ivory
