@@ -85,7 +85,7 @@ TEST_F(CubemapCommand, FurnaceIsFlat) {
     EXPECT_EQ(probe.at("outside").get<int>(), 1);
   }
   const Json info = run("info " + path("f4.exr"));
-  EXPECT_EQ(info.at("asset"), "cubemap");
+  EXPECT_EQ(info.at("kind"), "cubemap");
   EXPECT_EQ(info.at("seed"), 1);
   const std::string object = write_object("cubemap_furnace_object");
   for (const std::string& method : {"--method cubemap --cubemap " + path("f4.exr"), std::string("--method path")}) {
