@@ -20,7 +20,11 @@ constexpr double pi_d = 3.14159265358979323846;
 //
 // The loop runs along the row's floats r g b r g b ..., twelve (four texels) at a time, against a table of
 // cos and sin for offsets within a block of columns that stays in the first cache; the block's own azimuth
-// is turned in afterwards by the addition theorems.
+// is turned in afterwards by the addition theorems. Where the width allows, four quarters of the row run side
+// by side: with azimuths x, x + 90, x + 180, x + 270 degrees their values L_0 .. L_3 enter as
+//   cos x (L_0 - L_2) - sin x (L_1 - L_3),   sin x (L_0 - L_2) + cos x (L_1 - L_3),
+//   cos 2x (L_0 - L_1 + L_2 - L_3),          sin 2x (L_0 - L_1 + L_2 - L_3),
+// half the arithmetic and a quarter of the table's reads: then memory sets the pace.
 constexpr int block_columns = 256;
 constexpr int lanes = 12;
 
@@ -45,32 +49,42 @@ BlockTable make_block_table(int width) {
 
 using RowSums = std::array<V3d, 5>;
 
-RowSums block_sums(const float* values, int columns, const BlockTable& table) {
+// Sums over a block of `columns` texels, or of four blocks a quarter of the row apart, by azimuth from the
+// (first) block's beginning.
+template <int blocks>
+RowSums block_sums(const std::array<const float*, blocks>& values, int columns, const BlockTable& table) {
+  static_assert(blocks == 1 || blocks == 4);
   const int count = 3 * columns;
-  const double* const f0 = table.f[0].data();
-  const double* const f1 = table.f[1].data();
-  const double* const f2 = table.f[2].data();
-  const double* const f3 = table.f[3].data();
+  const double* const cos1 = table.f[0].data();
+  const double* const sin1 = table.f[1].data();
+  const double* const cos2 = table.f[2].data();
+  const double* const sin2 = table.f[3].data();
   double s[5][lanes] = {};
-  int i = 0;
-  for (; i + lanes <= count; i += lanes) {
-    for (int k = 0; k < lanes; ++k) {
-      const double v = double(values[i + k]);
-      s[0][k] += v;
-      s[1][k] += v * f0[i + k];
-      s[2][k] += v * f1[i + k];
-      s[3][k] += v * f2[i + k];
-      s[4][k] += v * f3[i + k];
+  const auto add = [&](int i, int k) {
+    const double a = double(values[0][i]);
+    if constexpr (blocks == 4) {
+      const double b = double(values[1][i]);
+      const double c = double(values[2][i]);
+      const double d = double(values[3][i]);
+      const double ac = a + c;
+      const double bd = b + d;
+      s[0][k] += ac + bd;
+      s[1][k] += (a - c) * cos1[i] - (b - d) * sin1[i];
+      s[2][k] += (a - c) * sin1[i] + (b - d) * cos1[i];
+      s[3][k] += (ac - bd) * cos2[i];
+      s[4][k] += (ac - bd) * sin2[i];
+    } else {
+      s[0][k] += a;
+      s[1][k] += a * cos1[i];
+      s[2][k] += a * sin1[i];
+      s[3][k] += a * cos2[i];
+      s[4][k] += a * sin2[i];
     }
-  }
-  for (int k = 0; i < count; ++i, ++k) {
-    const double v = double(values[i]);
-    s[0][k] += v;
-    s[1][k] += v * f0[i];
-    s[2][k] += v * f1[i];
-    s[3][k] += v * f2[i];
-    s[4][k] += v * f3[i];
-  }
+  };
+  int i = 0;
+  for (; i + lanes <= count; i += lanes)
+    for (int k = 0; k < lanes; ++k) add(i + k, k);
+  for (int k = 0; i < count; ++i, ++k) add(i, k);
   RowSums sums;
   for (std::size_t f = 0; f < 5; ++f) {
     sums[f] = V3d(0, 0, 0);
@@ -167,8 +181,16 @@ RadianceMoments latlong_moments(std::span<const Rgb> texels, int width, int heig
     RowSums sums;
     sums.fill(V3d(0, 0, 0));
     const Rgb* const begin = texels.data() + std::size_t(row) * std::size_t(width);
-    for (int column = 0; column < width; column += block_columns) {
-      const RowSums block = block_sums(&begin[column].x, std::min(block_columns, width - column), table);
+    const int quarter = width / 4;
+    const bool quarters = width % 4 == 0;
+    const int end = quarters ? quarter : width;
+    for (int column = 0; column < end; column += block_columns) {
+      const int columns = std::min(block_columns, end - column);
+      const Rgb* const first = begin + column;
+      const RowSums block =
+          quarters ? block_sums<4>({&first->x, &first[quarter].x, &first[2 * quarter].x, &first[3 * quarter].x},
+                                   columns, table)
+                   : block_sums<1>({&first->x}, columns, table);
       const double a = (column + 0.5) * d - pi_d;
       const double c1 = std::cos(a);
       const double s1 = std::sin(a);

@@ -24,7 +24,7 @@ struct RadianceMoments {
 // The rows row_begin .. row_end - 1 of a map. Sums over disjoint ranges add up to the whole; each range's own
 // sum runs in a fixed order.
 //
-// Lat-long: exact (closed form); one pass of 15 multiply-adds a texel, at the pace of memory.
+// Lat-long: exact (closed form); one pass at the pace of memory.
 RadianceMoments latlong_moments(std::span<const Rgb> texels, int width, int height, int row_begin, int row_end);
 // Cube (these rows of all six faces): Gauss rule, relative error below 1e-9.
 RadianceMoments cube_moments(const CubeMap& map, int row_begin, int row_end);

@@ -184,34 +184,65 @@ V3d minimum_irradiance(const Sh9& sh) {
   return out;
 }
 
-Sh9 windowed(const Sh9& sh, double width) {
+Sh9 windowed(const Sh9& sh, const Sh9Window& window) {
   Sh9 out = sh;
-  for (std::size_t i = 0; i < 9; ++i) out.coefficients[i] *= 0.5 * (1 + std::cos(pi_d * band(i) / width));
+  for (std::size_t i = 1; i < 9; ++i) out.coefficients[i] *= band(i) == 1 ? window.band1 : window.band2;
   return out;
 }
 
-// At width 2 band 2 is gone and band 1 halved: E(n) = (total + n.F) / 4 with |F| <= total where L >= 0.
-double least_window(const Sh9& sh) {
-  const auto fits = [](const Sh9& s) {
-    const V3d least = minimum_irradiance(s);
-    // Rounding of sums as large as E at its mean.
+Sh9Window hann_window(double width) {
+  return {0.5 * (1 + std::cos(pi_d / width)), 0.5 * (1 + std::cos(2 * pi_d / width))};
+}
+
+// The polynomials that are nowhere negative form a convex set, and for light that is nowhere negative it holds band 0
+// with any part of band 2 (one directional light gives at least 1/4 - 5/32): so for each factor of band 2 the good
+// factors of band 1 reach from 0 up to a largest one, which bisection finds. The change in mean square is
+// (1 - band1)^2 P_1 + (1 - band2)^2 P_2 with P_l the power of band l; what is left is a search along one line.
+Sh9Window least_window(const Sh9& sh) {
+  const auto fits = [&](const Sh9Window& window) {
+    const V3d least = minimum_irradiance(windowed(sh, window));
     for (int c = 0; c < 3; ++c) {
-      if (least[c] < -1e-12 * std::abs(s.coefficients[0][c])) return false;
+      if (least[c] < -1e-12 * std::abs(sh.coefficients[0][c])) return false;  // rounding of sums of that size
     }
     return true;
   };
-  if (fits(sh)) return 0;
-  double good = 2;
-  double bad = 4;
-  while (bad < 1000 && fits(windowed(sh, bad))) {
-    good = bad;
-    bad *= 2;
+  if (fits({})) return {};
+  double power1 = 0;
+  double power2 = 0;
+  for (std::size_t i = 1; i < 9; ++i) {
+    for (int c = 0; c < 3; ++c) {
+      if (sh.coefficients[0][c] == 0) continue;
+      const double e = cosine[i] * sh.coefficients[i][c] / (cosine[0] * sh.coefficients[0][c]);
+      (band(i) == 1 ? power1 : power2) += e * e;
+    }
   }
-  while (bad - good > 1e-3) {
-    const double middle = 0.5 * (good + bad);
-    (fits(windowed(sh, middle)) ? good : bad) = middle;
+  const auto best_with = [&](double band2) {
+    double good = 0;
+    double bad = 1;
+    if (fits({1, band2})) return Sh9Window{1, band2};
+    for (int i = 0; i < 40; ++i) {
+      const double middle = 0.5 * (good + bad);
+      (fits({middle, band2}) ? good : bad) = middle;
+    }
+    return Sh9Window{good, band2};
+  };
+  const auto change = [&](const Sh9Window& window) {
+    return (1 - window.band1) * (1 - window.band1) * power1 + (1 - window.band2) * (1 - window.band2) * power2;
+  };
+  constexpr int steps = 32;
+  Sh9Window best = best_with(1);
+  double spacing = 1.0 / steps;
+  for (int i = steps; i-- > 0;) {
+    const Sh9Window window = best_with(double(i) / steps);
+    if (change(window) < change(best)) best = window;
   }
-  return good;
+  for (; spacing > 1e-6; spacing /= 2) {
+    for (const double step : {-0.5, 0.5}) {
+      const Sh9Window window = best_with(std::clamp(best.band2 + step * spacing, 0.0, 1.0));
+      if (change(window) < change(best)) best = window;
+    }
+  }
+  return best;
 }
 
 std::string_view name(Sh9Dialect dialect) {

@@ -39,14 +39,20 @@ Rgb irradiance(const Sh9MatricesF& matrices, const V3f& n);
 // The least value of the polynomial over all normals, per channel: exact, to rounding.
 V3d minimum_irradiance(const Sh9& sh);
 
-// A Hann window of width `width` bands, 2 or more: band l is scaled by (1 + cos(pi l / width)) / 2. Smooths
-// the lobes that a few bands leave around a concentrated light, at the price of contrast. The total light
-// (band 0) stays.
-Sh9 windowed(const Sh9& sh, double width);
+// Factors of bands 1 and 2, against the lobes that a few bands leave around concentrated light, where the
+// polynomial falls below zero. Band 0, the total light, stays.
+struct Sh9Window {
+  double band1 = 1;
+  double band2 = 1;
+};
+Sh9 windowed(const Sh9& sh, const Sh9Window& window);
 
-// The widest window, to 1e-3, after which no channel's E is negative for any normal; 0 where none is needed.
-// At most 2 where the light is nowhere negative.
-double least_window(const Sh9& sh);
+// The Hann window of `width` bands, 2 or more: (1 + cos(pi l / width)) / 2.
+Sh9Window hann_window(double width);
+
+// The factors that change E(n) least, in mean square over all normals (channels by their own mean E), of those
+// after which no channel is negative for any normal. Both are 1 where nothing is negative to begin with.
+Sh9Window least_window(const Sh9& sh);
 
 // --- what other engines read -----------------------------------------------------------------------------
 //

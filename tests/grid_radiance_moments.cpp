@@ -79,7 +79,7 @@ TEST(RadianceMoments, KnownCoefficientsComeBackInEveryLayoutAndAxis) {
 TEST(RadianceMoments, RangesAddUpToDirectSums) {
   std::mt19937 random(1);
   std::uniform_real_distribution<float> value;
-  for (const auto& [width, height] : {std::pair{2, 1}, {7, 5}, {254, 127}, {520, 20}, {1030, 9}}) {
+  for (const auto& [width, height] : {std::pair{2, 1}, {7, 5}, {254, 127}, {520, 20}, {1030, 9}, {2056, 3}}) {
     std::vector<Rgb> texels(std::size_t(width * height));
     for (Rgb& texel : texels) texel = Rgb(value(random), value(random), value(random));
     RadianceMoments parts;

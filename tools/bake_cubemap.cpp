@@ -25,7 +25,7 @@ namespace {
 struct BakeCubemapOptions {
   std::string scene;
   std::string output;
-  std::string environment;
+  EnvironmentChoice environment;
   std::string shell = "fitted";
   std::vector<std::string> without;
   V3f at{0, 0, 0};
@@ -162,10 +162,7 @@ void add_bake_cubemap_command(CLI::App& bake, CommonOptions& common) {
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
   add_count_option(*command, "--seed", options->seed, "Seed of the random numbers");
-  command
-      ->add_option("--env", options->environment,
-                   "Lat-long environment map in nits: .exr or .hdr, 2:1; +Z in the middle, +Y up")
-      ->type_name("IMAGE");
+  add_environment_options(*command, options->environment);
   command
       ->add_option("--without", options->without,
                    "A node of the scene to leave out, with all below it: an object\nthat will move; may be repeated")

@@ -19,7 +19,7 @@ namespace {
 struct BakeGridOptions {
   std::string scene;
   std::string output;
-  std::string environment;
+  EnvironmentChoice environment;
   std::string basis = "vectors";
   std::string estimator = "track";
   std::string guard = "rays";
@@ -123,10 +123,7 @@ void add_bake_grid_command(CLI::App& bake, CommonOptions& common) {
       ->type_name("N")
       ->capture_default_str();
   command->add_flag("--direct", params.include_direct, "Store light straight from its sources too");
-  command
-      ->add_option("--env", options->environment,
-                   "Lat-long environment map in nits: .exr or .hdr, 2:1; +Z in the middle, +Y up")
-      ->type_name("IMAGE");
+  add_environment_options(*command, options->environment);
   command->add_option("--basis", options->basis, "Directional basis stored at each vertex")
       ->check(CLI::IsMember({"vectors", "vectors9", "sh9", "ambient_cube", "sh4"}))
       ->capture_default_str();

@@ -146,6 +146,7 @@ void add_bench_command(CLI::App& app, CommonOptions& common) {
   set_action(*tracer, common, Output::none, [options, &common] { run(*options, common); });
   add_lookup_bench(*bench, common);
   add_bench_cubemap_command(*bench, common);
+  add_bench_sh9_command(*bench, common);
 }
 
 }  // namespace ivory

@@ -10,8 +10,10 @@
 #include <nlohmann/json.hpp>
 
 #include "grid/error.h"
+#include "grid/io_difmap.h"
 #include "grid/io_exr.h"
 #include "grid/io_image_info.h"
+#include "grid/io_sh9.h"
 #include "grid/io_spheres.h"
 #include "grid/io_vdb.h"
 #include "tools/commands.h"
@@ -124,6 +126,39 @@ Json scene_json(const std::string& path, const CommonOptions& common) {
   return json;
 }
 
+Json sh9_json(const std::string& path) {
+  const Sh9Asset asset = read_sh9(path);
+  Json json{{"kind", "sh9"},
+            {"order", asset.order},
+            {"window", {1, asset.window.band1, asset.window.band2}},
+            {"average_error", asset.error.average},
+            {"maximum_error", asset.error.maximum},
+            {"average_error_of_mean_irradiance", asset.error.average_of_mean_e()},
+            {"maximum_error_of_mean_irradiance", asset.error.maximum_of_mean_e()}};
+  json.update(json_of(asset.metadata));
+  Json coefficients = Json::array();
+  for (const V3d& rgb : asset.sh.coefficients) coefficients.push_back({rgb.x, rgb.y, rgb.z});
+  json["coefficients"] = std::move(coefficients);
+  return json;
+}
+
+Json difmap_json(const std::string& path) {
+  const DifMap map = read_difmap(path);
+  Json json{{"kind", "difmap"}};
+  json.update(json_of(map.metadata));
+  Rgb least = map.e.texels.front();
+  Rgb greatest = least;
+  for (const Rgb& e : map.e.texels) {
+    for (unsigned c = 0; c < 3; ++c) {
+      least[c] = std::min(least[c], e[c]);
+      greatest[c] = std::max(greatest[c], e[c]);
+    }
+  }
+  json["least_irradiance_lux"] = vector_json(least);
+  json["greatest_irradiance_lux"] = vector_json(greatest);
+  return json;
+}
+
 std::string text_of(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (!value.is_array()) return value.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -144,6 +179,10 @@ void run_info(const std::string& path, const CommonOptions& common) {
     json.update(scene_json(path, common));
   } else if (is_sphere_set(path)) {
     json.update(spheres_json(path));
+  } else if (is_sh9_name(path)) {
+    json.update(sh9_json(path));
+  } else if (is_difmap(path)) {
+    json.update(difmap_json(path));
   } else if (const std::string kind = exr_asset_kind(path); !kind.empty()) {
     json.update(exr_asset_json(path, kind));
   } else {
@@ -166,7 +205,7 @@ void run_info(const std::string& path, const CommonOptions& common) {
 }  // namespace
 
 void add_info_command(CLI::App& app, CommonOptions& common) {
-  auto* command = app.add_subcommand("info", "What a file holds and how it was made: grids, parts, scenes, images");
+  auto* command = app.add_subcommand("info", "What a file holds and how it was made: assets, parts, scenes, images");
   auto path = std::make_shared<std::string>();
   command->add_option("file", *path, "File: .vdb, .gltf, .glb, a baked .exr or .json, or an image")
       ->required()

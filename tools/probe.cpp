@@ -61,9 +61,12 @@ void run_probe(const ProbeOptions& options, const std::vector<ProbeSource>& sour
 }  // namespace
 
 void add_probe_command(CLI::App& app, CommonOptions& common) {
-  auto* command = app.add_subcommand("probe", "Irradiance at given points: from a grid, or path-traced from a scene");
+  auto* command =
+      app.add_subcommand("probe", "Irradiance at given points: from any asset, or path-traced from a scene");
   auto options = std::make_shared<ProbeOptions>();
-  command->add_option("source", options->source, "Grid (.vdb), or scene (.gltf, .glb) for path-traced truth")
+  command
+      ->add_option("source", options->source,
+                   "Grid (.vdb), cube map or DifMap (.exr), SH9 (.json), or scene (.gltf, .glb) for\npath-traced truth")
       ->required()
       ->type_name("SOURCE");
   command->add_option("--points", options->points, "Points: columns x,y,z (metres) and nx,ny,nz")
@@ -77,6 +80,8 @@ void add_probe_command(CLI::App& app, CommonOptions& common) {
   auto sources = std::make_shared<std::vector<ProbeSource>>();
   sources->push_back(make_grid_source(*command));
   sources->push_back(make_cubemap_source(*command));
+  sources->push_back(make_sh9_source());
+  sources->push_back(make_difmap_source());
   sources->push_back(make_scene_source(*command));
   command->footer(
       "Examples:\n"

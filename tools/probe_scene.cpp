@@ -13,7 +13,7 @@ namespace ivory {
 namespace {
 
 struct SceneOptions {
-  std::string environment;
+  EnvironmentChoice environment;
   std::uint64_t samples = 1024;
   std::uint64_t seed = 1;
   int bounces = ProbeParams{}.max_bounces;
@@ -52,11 +52,7 @@ ProbeEstimates probe_path_traced(const SceneOptions& options, const ProbeRequest
 ProbeSource make_scene_source(CLI::App& command) {
   auto options = std::make_shared<SceneOptions>();
   const std::string scenes = "For scenes";
-  command
-      .add_option("--env", options->environment,
-                  "Lat-long environment map in nits: .exr or .hdr, 2:1; +Z in the middle, +Y up")
-      ->type_name("IMAGE")
-      ->group(scenes);
+  add_environment_options(command, options->environment, scenes);
   command
       .add_option_function<std::string>(
           "--samples",
@@ -76,7 +72,7 @@ ProbeSource make_scene_source(CLI::App& command) {
       ->group(scenes);
   ProbeSource source;
   source.name = "scenes";
-  source.options = {"--env", "--samples", "--seed", "--bounces"};
+  source.options = {"--env", "--layout", "--samples", "--seed", "--bounces"};
   source.matches = is_scene_name;
   source.probe = [options](const ProbeRequest& request) { return probe_path_traced(*options, request); };
   return source;

@@ -35,6 +35,8 @@ struct ProbeSource {
 // Each adds its options to the command.
 ProbeSource make_grid_source(CLI::App& command);
 ProbeSource make_cubemap_source(CLI::App& command);
+ProbeSource make_sh9_source();  // no options of their own
+ProbeSource make_difmap_source();
 ProbeSource make_scene_source(CLI::App& command);
 
 }  // namespace ivory

@@ -30,7 +30,7 @@ struct RenderOptions {
   std::string scene;
   std::vector<std::string> outputs;  // one picture in several formats
   std::string method = "path";
-  std::string environment;
+  EnvironmentChoice environment;
   std::string camera;
   std::vector<SphereLight> sphere_lights;
   std::uint64_t samples = 64;
@@ -174,10 +174,7 @@ void add_render_command(CLI::App& app, CommonOptions& common) {
       ->add_option("--camera", options->camera,
                    "The scene's camera, by name or index [the first; a framing view where it has none]")
       ->type_name("NAME|INDEX");
-  command
-      ->add_option("--env", options->environment,
-                   "Lat-long environment map in nits: .exr or .hdr, 2:1; +Z in the middle, +Y up")
-      ->type_name("IMAGE");
+  add_environment_options(*command, options->environment);
   command
       ->add_option("--object", options->objects,
                    "An object that moves: a model placed in the scene, or a node of the scene; may be repeated.\n"

@@ -4,8 +4,6 @@
 #include <cctype>
 #include <filesystem>
 
-#include "grid/io_file.h"
-#include "tracer/environment.h"
 #include "tracer/gltf_loader.h"
 
 namespace ivory {
@@ -17,7 +15,7 @@ bool is_scene_name(const std::string& path) {
   return extension == ".gltf" || extension == ".glb";
 }
 
-std::unique_ptr<SceneInput> load_scene_input(const std::string& path, const std::string& environment_path,
+std::unique_ptr<SceneInput> load_scene_input(const std::string& path, const EnvironmentChoice& environment,
                                              const CommonOptions& common, const std::function<void(Scene&)>& extend) {
   auto input = std::make_unique<SceneInput>();
   LoadedScene loaded = load_gltf(path);
@@ -25,10 +23,10 @@ std::unique_ptr<SceneInput> load_scene_input(const std::string& path, const std:
   input->warnings = std::move(loaded.warnings);
   input->origin["scene"] = std::filesystem::path(path).filename().string();
   input->origin["scene_hash"] = input->scene.content_hash;
-  if (!environment_path.empty()) {
-    input->scene.environment = load_environment(environment_path);
-    input->origin["environment"] = std::filesystem::path(environment_path).filename().string();
-    input->origin["environment_hash"] = file_hash(environment_path);
+  if (!environment.path.empty()) {
+    EnvironmentInput map = load_environment_input(environment);
+    input->scene.environment = to_latlong(std::move(map.image));
+    input->origin.merge(map.origin);
   }
   if (extend) extend(input->scene);
   for (const std::string& warning : input->warnings) print_note(common, "warning: " + warning);

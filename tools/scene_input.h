@@ -9,6 +9,7 @@
 
 #include "grid/metadata.h"
 #include "tools/common.h"
+#include "tools/environment_input.h"
 #include "tracer/intersector.h"
 #include "tracer/lights.h"
 #include "tracer/scene.h"
@@ -21,16 +22,16 @@ struct SceneInput {
   std::vector<std::string> warnings;
   std::unique_ptr<Intersector> intersector;
   std::unique_ptr<Lights> lights;
-  Metadata origin;  // scene, scene_hash, environment, environment_hash: names without folders, hashes of contents
+  Metadata origin;  // scene, scene_hash, environment, environment_hash ...: names without folders, hashes of contents
 };
 
 // True for the names that load as scenes: .gltf and .glb, in any case.
 bool is_scene_name(const std::string& path);
 
-// Loads `path` and, unless empty, the lat-long image `environment_path`; prints the loader's
-// warnings as notes. `extend`, unless empty, may add to the scene before the rest is built from it.
-// Throws Error as load_gltf() and load_environment() do.
-std::unique_ptr<SceneInput> load_scene_input(const std::string& path, const std::string& environment_path,
+// Loads `path` and, unless its path is empty, the environment map, resampled to lat-long where it has another
+// layout; prints the loader's warnings as notes. `extend`, unless empty, may add to the scene before the rest is
+// built from it. Throws Error as load_gltf() and load_environment() do.
+std::unique_ptr<SceneInput> load_scene_input(const std::string& path, const EnvironmentChoice& environment,
                                              const CommonOptions& common,
                                              const std::function<void(Scene&)>& extend = {});
 

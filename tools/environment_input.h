@@ -1,0 +1,36 @@
+// The environment map that a command works on, and the options that say which.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "grid/environment_layout.h"
+#include "grid/metadata.h"
+#include "tracer/environment_image.h"
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace ivory {
+
+struct EnvironmentChoice {
+  std::string path;    // empty: none
+  std::string layout;  // empty: what the file says
+};
+
+// --layout NAME, read by load_environment_input().
+CLI::Option* add_layout_option(CLI::App& command, EnvironmentChoice& choice);
+// --env IMAGE and --layout, in the help page's group `group` where that is not empty.
+void add_environment_options(CLI::App& command, EnvironmentChoice& choice, const std::string& group = {});
+
+struct EnvironmentInput {
+  EnvironmentImage image;
+  Metadata origin;  // environment (name without folder), environment_hash (of its bytes), environment_layout
+};
+
+// Throws Error as load_environment_image() does.
+EnvironmentInput load_environment_input(const EnvironmentChoice& choice);
+
+}  // namespace ivory
