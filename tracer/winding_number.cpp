@@ -7,7 +7,7 @@ namespace ivory {
 
 namespace {
 
-// A group is a dipole from this many of its radii on: errors of about 1e-3, with 1/2 to be told from 0 and 1.
+// A group is a dipole from this many of its radii on: errors of up to 0.02, with 1/2 to be told from 0 and 1.
 constexpr double far_radii = 2.5;
 constexpr std::uint32_t leaf_size = 8;
 
