@@ -1,4 +1,5 @@
 // Masks of spheres over a light, against the same spheres asked direction by direction.
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -155,6 +156,39 @@ TEST(ShadowMask, HugeConesMayHoldTheOppositeDirection) {
     const std::vector<Sphere> spheres{{o * 1.0F, 0.99999F}};
     const ShadowMask mask = make_shadow_mask(light, cap, p, spheres, 5);
     EXPECT_NEAR(mask.any ? lit_fraction(mask, cap) : 1.0F, brute_force(light, p, spheres), 0.01) << angle;
+  }
+}
+
+// Groups leave nothing out that a test sphere by sphere finds.
+TEST(SphereGroups, FindWhatEachSphereAloneWouldBeFoundBy) {
+  Numbers u;
+  for (const int count : {0, 1, 7, 9, 300}) {
+    const V3f at(100 * u.next(), -70 * u.next(), 0);
+    std::vector<Sphere> spheres;
+    for (int i = 0; i < count; ++i)
+      spheres.push_back({at + V3f(u.next(), u.next(), u.next()), 0.001F + 0.1F * u.next()});
+    const SphereGroups groups = make_sphere_groups(spheres);
+    ASSERT_EQ(groups.spheres.size(), spheres.size());
+    std::vector<Sphere> found;
+    for (int k = 0; k < 50; ++k) {
+      const V3f p = at + V3f(u.next(), u.next(), u.next()) * 3.0F - V3f(1, 1, 1);
+      const float half = 1.5F * u.next();
+      const Cone cone{p, V3f(u.next() - 0.5F, u.next() - 0.5F, 0.3F).normalized(), std::cos(half), std::sin(half)};
+      find_hiding(groups, cone, found);
+      std::size_t expected = 0;
+      for (const Sphere& s : spheres) expected += power(s, p) > 0 && may_hide(s, cone) ? 1U : 0U;
+      EXPECT_EQ(found.size(), expected);
+      for (const Sphere& s : spheres) {
+        // The definition itself: the angle to the centre against both half-angles.
+        if (!(power(s, p) > 0)) continue;
+        const V3f d = s.center - p;
+        const float angle = std::acos(std::clamp(d.normalized().dot(cone.axis), -1.0F, 1.0F));
+        const float gap = angle - half - std::asin(s.radius_m / d.length());
+        if (std::abs(gap) > 1e-3F) {
+          EXPECT_EQ(may_hide(s, cone), gap < 0);
+        }
+      }
+    }
   }
 }
 

@@ -82,7 +82,7 @@ TEST(LobeDirect, AnUnshadowedLightOnAMattSurfaceIsExact) {
 
 TEST(LobeDirect, ACoveredLightIsExactlyDark) {
   LitPoint setup({V3f(0.5F, 3, 0), 0.5F, Rgb(1, 1, 1)});
-  setup.lobes.occluders = {{V3f(0.2F, 1, 0.1F), 0.25F}, {V3f(0.1F, 1, -0.1F), 0.25F}};
+  setup.lobes.occluders = make_sphere_groups({{V3f(0.2F, 1, 0.1F), 0.25F}, {V3f(0.1F, 1, -0.1F), 0.25F}});
   LobeParams params;
   for (params.mask_depth = 1; params.mask_depth <= max_mask_depth; ++params.mask_depth) {
     EXPECT_EQ(setup.at(lambert(V3f(0, 1, 0), 1), params).x, 0);
@@ -109,12 +109,14 @@ Errors errors_against_rays(float exponent, int depth, const MaskRule rule = Mask
   for (int i = 0; i < scenes; ++i) {
     const V3f d = V3f(u.next() - 0.5F, 0.3F + u.next(), u.next() - 0.5F).normalized();
     LitPoint setup({d * 4.0F, 4 * (0.03F + 0.25F * u.next()), Rgb(1, 1, 1)});
+    std::vector<Sphere> occluders;
     const int count = 1 + int(12 * u.next());
     for (int k = 0; k < count; ++k) {
       const V3f offset(u.next() - 0.5F, u.next() - 0.5F, u.next() - 0.5F);
-      setup.lobes.occluders.push_back({d * (1 + 2 * u.next()) + offset * setup.lobes.lights[0].radius_m,
-                                       0.3F * u.next() * setup.lobes.lights[0].radius_m});
+      occluders.push_back({d * (1 + 2 * u.next()) + offset * setup.lobes.lights[0].radius_m,
+                           0.3F * u.next() * setup.lobes.lights[0].radius_m});
     }
+    setup.lobes.occluders = make_sphere_groups(occluders);
     const V3f n(0, 1, 0);
     const V3f mirror = d + V3f(u.next() - 0.5F, 0, u.next() - 0.5F) * 0.3F;
     const LobeReflectance r = exponent > 0 ? phong(n, mirror, exponent) : lambert(n, 1);
@@ -181,7 +183,7 @@ TEST(LobeDirect, SplittingTheLightKeepsReflectionsSharp) {
 
 TEST(LobeDirect, DroppedProductsStayBelowTheThreshold) {
   LitPoint setup({V3f(0.5F, 3, 0), 0.6F, Rgb(1, 1, 1)});
-  setup.lobes.occluders = {{V3f(0.25F, 1, 0.1F), 0.12F}, {V3f(0.1F, 1, -0.1F), 0.07F}};
+  setup.lobes.occluders = make_sphere_groups({{V3f(0.25F, 1, 0.1F), 0.12F}, {V3f(0.1F, 1, -0.1F), 0.07F}});
   for (const float exponent : {0.0F, 20.0F, 500.0F}) {
     const LobeReflectance r =
         exponent > 0 ? phong(V3f(0, 1, 0), V3f(0.5F, 3, 0.5F), exponent) : lambert(V3f(0, 1, 0), 1);

@@ -52,11 +52,13 @@ Film render(const LobeOptions& options, const RenderRequest& request) {
   LobeScene lobes;
   lobes.table = options.table.empty() ? make_lobe_table() : read_lobes(options.table).table;
   lobes.lights = scene.sphere_lights;
+  std::vector<Sphere> occluders;
   for (const std::string& text : options.sphere_sets) {
     const std::vector<Sphere> placed = load_placed(text);
-    lobes.occluders.insert(lobes.occluders.end(), placed.begin(), placed.end());
+    occluders.insert(occluders.end(), placed.begin(), placed.end());
   }
-  for (const SphereLight& light : scene.sphere_lights) lobes.occluders.push_back({light.center, light.radius_m});
+  for (const SphereLight& light : scene.sphere_lights) occluders.push_back({light.center, light.radius_m});
+  lobes.occluders = make_sphere_groups(std::move(occluders));
   if (!scene.lights.empty() || scene.environment)
     print_note(request.common,
                "note: --method lobes leaves out point, spot and directional lights and the environment");

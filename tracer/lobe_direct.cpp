@@ -84,13 +84,12 @@ float lit_part(const LobeScene& lobes, const Lobe& f, const LightCap& cap, const
   return lit + dark > 0 ? whole * (lit / (lit + dark)) : 0;
 }
 
-Rgb by_lobes(const LobeScene& lobes, const Sphere& light, const V3f& p, const ReflectanceLobes& reflectance,
-             std::span<const Sphere> occluders, const LobeParams& params) {
-  const LightCap cap = make_light_cap(light, p);
+Rgb by_lobes(const LobeScene& lobes, const Sphere& light, const LightCap& cap, const V3f& p,
+             const ReflectanceLobes& reflectance, std::span<const Sphere> near, const LobeParams& params) {
   ShadowMask mask;
   mask.depth = params.mask_depth;
   if (params.shadows == LobeShadows::lobes)
-    mask = make_shadow_mask(light, cap, p, occluders, params.mask_depth, params.mask_rule);
+    mask = make_shadow_mask(light, cap, p, near, params.mask_depth, params.mask_rule);
   LightLeaves leaves;
   int level = 0;
   for (int i = 0; i < reflectance.count; ++i)
@@ -107,25 +106,10 @@ Rgb by_lobes(const LobeScene& lobes, const Sphere& light, const V3f& p, const Re
 
 // Monte Carlo: directions uniform over the cap, one in each of rows x columns strata,
 //   L = solid angle / n  sum f(w) cos V(w).
-Rgb by_rays(const Intersector& intersector, const Sphere& light, const V3f& p, const V3f& ng,
-            const LobeReflectance& reflectance, std::span<const Sphere> occluders, const LobeParams& params,
+Rgb by_rays(const Intersector& intersector, const Sphere& light, const LightCap& cap, const V3f& p, const V3f& ng,
+            const LobeReflectance& reflectance, std::span<const Sphere> near, const LobeParams& params,
             RandomStream& random) {
-  const LightCap cap = make_light_cap(light, p);
-  // The spheres that may hide some of the light.
-  thread_local std::vector<Sphere> near;
-  near.clear();
-  if (params.shadows == LobeShadows::spheres) {
-    const float light_power = power(light, p);
-    const float cosine = 1 - cap.height;
-    const float sine = std::sqrt(cap.height * (2 - cap.height));
-    for (const Sphere& sphere : occluders) {
-      const float tangent2 = power(sphere, p);
-      if (!(tangent2 > 0) || tangent2 >= light_power) continue;
-      // cos(angle) > cos(a + b) for the two half-angles, or a + b beyond the half turn, which no pair of caps reaches.
-      const V3f d = sphere.center - p;
-      if (d.dot(cap.z) > std::sqrt(tangent2) * cosine - sphere.radius_m * sine) near.push_back(sphere);
-    }
-  }
+  const float light_power = power(light, p);
   // As square as the count allows; a prime is a row.
   int rows = int(std::sqrt(float(params.shadow_rays)));
   while (params.shadow_rays % rows != 0) --rows;
@@ -151,7 +135,8 @@ Rgb by_rays(const Intersector& intersector, const Sphere& light, const V3f& p, c
     if (is_black(f) || (below && params.shadows == LobeShadows::mesh)) continue;
     float visible = 1;
     if (params.shadows == LobeShadows::spheres) {
-      if (std::any_of(near.begin(), near.end(), [&](const Sphere& sphere) { return meets(sphere, p, w); })) visible = 0;
+      const auto hides = [&](const Sphere& sphere) { return power(sphere, p) < light_power && meets(sphere, p, w); };
+      if (std::any_of(near.begin(), near.end(), hides)) visible = 0;
     } else {
       Ray ray;
       ray.origin = offset_origin(p, ng, w);
@@ -176,15 +161,21 @@ Rgb lobe_direct_light(const LobeScene& lobes, const Intersector& intersector, co
   const bool by_products = params.shadows == LobeShadows::lobes || params.shadows == LobeShadows::none;
   ReflectanceLobes reflectance_lobes;
   if (by_products) reflectance_lobes = make_reflectance_lobes(lobes.table, reflectance);
+  thread_local std::vector<Sphere> near;
   Rgb sum(0, 0, 0);
   for (const SphereLight& source : lobes.lights) {
     const Sphere light{source.center, source.radius_m};
     if (!(power(light, p) > 0)) continue;
     // Below the horizon altogether.
     if ((light.center - p).dot(reflectance.ns) <= -light.radius_m) continue;
-    const Rgb reflected = by_products
-                              ? by_lobes(lobes, light, p, reflectance_lobes, lobes.occluders, params)
-                              : by_rays(intersector, light, p, ng, reflectance, lobes.occluders, params, random);
+    const LightCap cap = make_light_cap(light, p);
+    near.clear();
+    if (params.shadows == LobeShadows::lobes || params.shadows == LobeShadows::spheres) {
+      const float sine = std::sqrt(cap.height * (2 - cap.height));
+      find_hiding(lobes.occluders, {p, cap.z, 1 - cap.height, sine}, near);
+    }
+    const Rgb reflected = by_products ? by_lobes(lobes, light, cap, p, reflectance_lobes, near, params)
+                                      : by_rays(intersector, light, cap, p, ng, reflectance, near, params, random);
     sum += source.radiance_nits * reflected;
   }
   return sum;

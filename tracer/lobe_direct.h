@@ -31,7 +31,7 @@ struct LobeParams {
 struct LobeScene {
   LobeTable table;
   std::vector<SphereLight> lights;
-  std::vector<Sphere> occluders;  // the sphere sets', placed, and the lights themselves
+  SphereGroups occluders;  // the sphere sets', placed, and the lights themselves
 };
 
 // Radiance in nits that `reflectance` sends on from the lights, seen from p with geometric normal ng.

@@ -38,6 +38,7 @@ constexpr int steps_a_voxel = 4;  // of radii
 
 struct Voxels {
   V3i size;
+  int padding = 1;  // voxels around the mesh's box, at least 1
   std::vector<std::int8_t> score;
   std::vector<std::uint16_t> covered;  // by how many balls
 
@@ -117,30 +118,32 @@ Candidate climb(const Voxels& voxels, const V3d& start, double radius, double fi
   return best;
 }
 
-// Centres to begin from: the uncovered voxel of positive score that lies deepest among such, and the one farthest from
-// all that is covered. Chamfer distances (3 a face, 4 an edge, 5 a corner), two passes.
-std::vector<V3d> seeds(const Voxels& voxels, std::vector<std::uint16_t>& distance) {
+// Centres to begin from: the uncovered voxel of positive score that lies deepest among such, and, for sheets, which
+// have no depth, the one farthest from all that is covered. Chamfer distances (3 a face, 4 an edge, 5 a corner), two
+// passes. Voxels beyond the padding hold nothing of the mesh.
+std::vector<V3d> seeds(const Voxels& voxels, bool sheets, std::vector<std::uint16_t>& distance) {
   std::vector<V3d> result;
+  const V3i low(voxels.padding, voxels.padding, voxels.padding);
+  const V3i inner = voxels.size - low * 2;
   for (const bool deepest : {true, false}) {
+    if (!deepest && !sheets) break;
     const auto target = [&](std::size_t at) { return voxels.score[at] > 0 && voxels.covered[at] == 0; };
     constexpr std::uint16_t far = 60000;
     for (std::size_t at = 0; at < distance.size(); ++at)
       distance[at] = (deepest ? target(at) : voxels.covered[at] == 0) ? far : 0;
     const auto pass = [&](int sign) {
-      for (int k = 0; k < voxels.size.z; ++k) {
-        const int z = sign > 0 ? k : voxels.size.z - 1 - k;
-        for (int j = 0; j < voxels.size.y; ++j) {
-          const int y = sign > 0 ? j : voxels.size.y - 1 - j;
-          for (int i = 0; i < voxels.size.x; ++i) {
-            const int x = sign > 0 ? i : voxels.size.x - 1 - i;
+      for (int k = 0; k < inner.z; ++k) {
+        const int z = low.z + (sign > 0 ? k : inner.z - 1 - k);
+        for (int j = 0; j < inner.y; ++j) {
+          const int y = low.y + (sign > 0 ? j : inner.y - 1 - j);
+          for (int i = 0; i < inner.x; ++i) {
+            const int x = low.x + (sign > 0 ? i : inner.x - 1 - i);
             std::uint16_t& d = distance[voxels.index(x, y, z)];
             if (d == 0) continue;
             const auto try_neighbour = [&](int dx, int dy, int dz, int weight) {
               const int nx = x + dx;
               const int ny = y + dy;
               const int nz = z + dz;
-              if (nx < 0 || ny < 0 || nz < 0 || nx >= voxels.size.x || ny >= voxels.size.y || nz >= voxels.size.z)
-                return;
               d = std::uint16_t(std::min<int>(d, distance[voxels.index(nx, ny, nz)] + weight));
             };
             // The 13 neighbours that this pass has been to.
@@ -157,10 +160,10 @@ std::vector<V3d> seeds(const Voxels& voxels, std::vector<std::uint16_t>& distanc
     pass(-1);
     std::uint16_t best = 0;
     V3d seed;
-    for (int z = 0; z < voxels.size.z; ++z) {
-      for (int y = 0; y < voxels.size.y; ++y) {
-        std::size_t at = voxels.index(0, y, z);
-        for (int x = 0; x < voxels.size.x; ++x, ++at) {
+    for (int z = low.z; z < low.z + inner.z; ++z) {
+      for (int y = low.y; y < low.y + inner.y; ++y) {
+        std::size_t at = voxels.index(low.x, y, z);
+        for (int x = low.x; x < low.x + inner.x; ++x, ++at) {
           if (distance[at] <= best || !target(at)) continue;
           best = distance[at];
           seed = V3d(x + 0.5, y + 0.5, z + 0.5);
@@ -174,8 +177,8 @@ std::vector<V3d> seeds(const Voxels& voxels, std::vector<std::uint16_t>& distanc
 
 class Fitter {
  public:
-  Fitter(Voxels& voxels, const SphereFitParams& params, double tried_before, double tries)
-      : voxels_(voxels), params_(params), progress_start_(tried_before), progress_scale_(1 / tries) {
+  Fitter(Voxels& voxels, const SphereFitParams& params, bool sheets, double tried_before, double tries)
+      : voxels_(voxels), params_(params), sheets_(sheets), progress_start_(tried_before), progress_scale_(1 / tries) {
     distance_.resize(voxels.score.size());
     std::fill(voxels.covered.begin(), voxels.covered.end(), std::uint16_t(0));
   }
@@ -206,7 +209,7 @@ class Fitter {
   }
   Candidate best_new() {
     Candidate best;
-    for (const V3d& seed : seeds(voxels_, distance_)) {
+    for (const V3d& seed : seeds(voxels_, sheets_, distance_)) {
       const double depth = double(*std::max_element(size_begin(), size_end()));
       const Candidate candidate = climb(voxels_, seed, 0.5 * depth, 2);
       if (candidate.gain > best.gain) best = candidate;
@@ -269,6 +272,7 @@ class Fitter {
 
   Voxels& voxels_;
   const SphereFitParams& params_;
+  bool sheets_;
   double progress_start_;
   double progress_scale_;
   std::vector<std::uint16_t> distance_;
@@ -420,6 +424,7 @@ SphereFit fit_spheres(const Scene& scene, const SphereFitParams& params) {
   const double voxel = 1.0 / fit.resolution;
   const int padding = fit.resolution / 6 + 2;
   Voxels voxels;
+  voxels.padding = padding;
   for (int k = 0; k < 3; ++k) voxels.size[k] = std::max(1, int(std::ceil(mesh.size[k] / voxel))) + 2 * padding;
   const std::size_t count = voxels.index(0, 0, voxels.size.z);
   voxels.covered.assign(count, 0);
@@ -461,7 +466,7 @@ SphereFit fit_spheres(const Scene& scene, const SphereFitParams& params) {
     voxels.score.resize(count);
     for (std::size_t i = 0; i < count; ++i)
       voxels.score[i] = std::int8_t((inside[i] != 0 ? 1 : -1) + (on_surface[i] != 0 ? weight : 0));
-    Fitter fitter(voxels, params, double(attempt) / double(weights.size()), double(weights.size()));
+    Fitter fitter(voxels, params, weight > 0, double(attempt) / double(weights.size()), double(weights.size()));
     std::vector<Ball> found = fitter.run();
     for (Ball& ball : found) {
       ball.center = (ball.center - V3d(padding, padding, padding)) * voxel;
