@@ -137,6 +137,18 @@ TEST(SphereFit, HolesDoNotMatter) {
   EXPECT_NEAR(fit.set.spheres[0].radius_m, 1, 0.05F);
 }
 
+TEST(SphereFit, OrientationDoesNotMatter) {
+  Mesh ball = make_ball(V3f(0, 0, 0), 1);
+  std::uint32_t state = 1;
+  for (auto& t : ball.triangles) {
+    state = state * 1664525U + 1013904223U;
+    if ((state >> 30U & 1U) != 0) std::swap(t.y, t.z);
+  }
+  const SphereFit fit = fit_spheres(scene_of(ball), few(1));
+  EXPECT_TRUE(fit.solid);
+  EXPECT_NEAR(fit.set.spheres[0].radius_m, 1, 0.05F);
+}
+
 TEST(SphereFit, SheetsAreCovered) {
   const SphereFit fit = fit_spheres(scene_of(make_quad({0, 0, 0}, {2, 0, 0}, {0, 0, -1}, 0)), few(32));
   EXPECT_FALSE(fit.solid);

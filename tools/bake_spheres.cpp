@@ -50,6 +50,7 @@ void run(const BakeSpheresOptions& options, const CommonOptions& common) {
   m["mesh_hash"] = loaded.scene.content_hash;
   m["count"] = std::int64_t(fit.set.spheres.size());
   m["asked_for"] = std::int64_t(options.count);
+  m["solid"] = std::string(fit.solid ? "yes" : "no");
   m["resolution"] = std::int64_t(fit.resolution);
   m["surface_weight"] = fit.surface_weight;
   m["bounding_radius_m"] = e.bounding_radius_m;
@@ -66,11 +67,10 @@ void run(const BakeSpheresOptions& options, const CommonOptions& common) {
   for (const auto& [key, value] : m) std::visit([&, &k = key](const auto& v) { result[k] = v; }, value);
   result["seconds"] = seconds;
   result["warnings"] = loaded.warnings;
-  const bool encloses = e.mesh_volume_m3 > 0;
   std::string human = fmt::format("{}: {} spheres, {} voxels along the longest side, {:.2f} s\n", options.output,
                                   fit.set.spheres.size(), fit.resolution, seconds);
   human += fmt::format("volume: {:.2f} % of the {} outside the mesh, {:.2f} % uncovered\n", 100 * e.volume_outside,
-                       encloses ? "mesh's" : "bounding sphere's", 100 * e.volume_uncovered);
+                       fit.solid ? "mesh's" : "bounding sphere's", 100 * e.volume_uncovered);
   human += fmt::format(
       "surface: {:.2f} % of it farther than 2 % of the bounding radius beyond the spheres, mean distance {:.2f} %, "
       "farthest {:.2f} %\n",

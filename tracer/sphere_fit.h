@@ -17,7 +17,7 @@ struct SphereFitParams {
 };
 
 // How the union of the spheres differs from the mesh, on points that the fit did not see. Volumes over the mesh's own,
-// where it encloses any; distances over the radius of its bounding sphere.
+// over its bounding sphere's where it is no solid; distances over the radius of its bounding sphere.
 struct SphereFitErrors {
   double mesh_volume_m3 = 0;     // enclosed; 0 for sheets
   double volume_outside = 0;     // of the spheres beyond the mesh
@@ -37,8 +37,8 @@ struct SphereFit {
 };
 
 // All triangles of the scene in world space but spherical lights; open, inside-out and self-intersecting meshes are
-// fine. Deterministic. Throws Error (naming scene.name) where there is nothing to fit to: no triangle with area, or
-// extents beyond float.
+// fine, and closed ones whose triangles run both ways. Deterministic. Throws Error (naming scene.name) where there is
+// nothing to fit to: no triangle with area, or extents beyond float.
 SphereFit fit_spheres(const Scene& scene, const SphereFitParams& params);
 
 }  // namespace ivory
