@@ -58,7 +58,9 @@ Json exr_asset_json(const std::string& path, const std::string& kind) {
   const ExrAsset asset = read_exr(path, kind, "bake it again");
   Json json{{"kind", kind}, {"width", asset.width}, {"height", asset.height}, {"channels", asset.channels}};
   json.update(json_of(asset.metadata));
-  for (const auto& [key, list] : asset.lists) json[key] = list;
+  for (const auto& [key, list] : asset.lists) {
+    for (const float value : list) json[key].push_back(shortest(value));
+  }
   return json;
 }
 
