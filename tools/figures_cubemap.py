@@ -1,16 +1,22 @@
 #!/usr/bin/env python3
 """Measures localized cube maps and draws them, with the ivory binary alone.
 
-    tools/figures_cubemap.py wall   [--ivory PATH] [--work FOLDER] [--quick]
+    tools/figures_cubemap.py wall | points   [--ivory PATH] [--work FOLDER] [--quick]
 
 wall: a ball on its way from the middle of a coloured box to its wall, at five places; Markdown rows of NRMSE and worst
 pixel over the ball's pixels against path tracing, by how the map is read, and a picture (ball_at_the_wall_*.png).
+
+points: E at random points with random normals in whole rooms, by texels, by how the map is read and by how its shell is
+placed; RMS error over mean E, then the worst over mean E.
+
 The references' own noise is left out as in tools/figures.py.
 """
 import argparse
+import csv
 import math
 import os
 import pathlib
+import random
 import struct
 import subprocess
 import sys
@@ -158,8 +164,76 @@ def draw(path, strips, truths):
     print(f"wrote {path}", file=sys.stderr)
 
 
+def write_clutter(path):
+    """A room full of small boxes, but for the middle."""
+    rng = random.Random(3)
+    gltf, room, boxes = Gltf(), shapes.Piece(), shapes.Piece()
+    shapes.inward_box(room, (-2.5, 0.0, -2.0), (2.5, 2.8, 2.0))
+    for _ in range(250):
+        center = [rng.uniform(-2.4, 2.4), rng.uniform(0.1, 2.7), rng.uniform(-1.9, 1.9)]
+        half = [rng.choice((0.01, 0.05, 0.15)) for _ in range(3)]
+        low, high = [c - h for c, h in zip(center, half)], [c + h for c, h in zip(center, half)]
+        if all(a - 0.35 < x < b + 0.35 for a, x, b in zip(low, (0.1, 1.3, 0.2), high)):
+            continue
+        corner = [(x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
+        for side in ((0, 1, 3, 2), (4, 5, 7, 6), (0, 1, 5, 4), (2, 3, 7, 6), (0, 2, 6, 4), (1, 3, 7, 5)):
+            boxes.quad_facing([corner[i] for i in side], center, away=True)
+    materials = {"room": gltf.material("room", (0.6, 0.6, 0.6)), "boxes": gltf.material("boxes", (0.6, 0.3, 0.2))}
+    gltf.node("clutter", mesh=gltf.mesh("clutter", {"room": room, "boxes": boxes}, materials))
+    gltf.point_light("point", (-1.0, 2.5, 0.5), 5.0)
+    gltf.save(path)
+
+
+def write_points(path, low, high, count):
+    rng = random.Random(1)
+    with open(path, "w", encoding="ascii") as file:
+        file.write("x,y,z,nx,ny,nz\n")
+        for _ in range(count):
+            row = [rng.uniform(a, b) for a, b in zip(low, high)] + [rng.gauss(0, 1) for _ in range(3)]
+            file.write(",".join(f"{x:.6g}" for x in row) + "\n")
+
+
+def points(ivory, quick):
+    folder = pathlib.Path(ivory.work)
+    write_scenes(folder)
+    write_clutter(folder / "clutter.gltf")
+    # A scene, the reference point, a box free of surfaces, and whether punctual lights, which no map holds, light it.
+    cases = ((folder / "box_point.gltf", "0.25,-0.1,0.3", ((-0.98,) * 3, (0.98,) * 3), True),
+             (figures.scene_path("room_boxes"), "0.1,1.6,0.2", ((-2.4, 1.85, -1.9), (2.4, 2.7, 1.9)), True),
+             (figures.scene_path("two_rooms"), "0.3,1.5,-7.5", ((-2.4, 0.1, -9.9), (2.4, 2.9, -5.1)), False),
+             (figures.scene_path("cornell_box"), "0.28,0.40,0.28", ((0.02, 0.36, 0.02), (0.53, 0.5, 0.53)), False),
+             (folder / "clutter.gltf", "0.1,1.3,0.2", ((-0.25, 0.95, -0.15), (0.45, 1.65, 0.55)), True))
+    columns = [("fitted", lookup) for lookup in LOOKUPS] + [("corners", "polygon"), ("averaged", "polygon")]
+    print("| scene | texels | " + " | ".join(f"{lookup}, {shell}" for shell, lookup in columns) + " |\n|---|---|" +
+          "---|" * len(columns))
+
+    def read(name):
+        with open(name, newline="", encoding="ascii") as file:
+            rows = list(csv.DictReader(file))
+        return [numpy.array([[float(row[c + end]) for c in "rgb"] for row in rows]) for end in ("", "_se")]
+
+    for scene, at, box, punctual in cases:
+        table, out, cube = (ivory.path(name) for name in ("points.csv", "e.csv", "points.exr"))
+        write_points(table, *box, 100 if quick else 400)
+        ivory.run("probe", scene, "--points", table, "-o", out, "--force", "--samples", "1k" if quick else "8k",
+                  *(["--indirect-only"] if punctual else []))
+        truth, noise = read(out)
+        for texels in (2, 4, 8):
+            cells, baked = [], None
+            for shell, lookup in columns:
+                if shell != baked:
+                    ivory.run("bake", "cubemap", scene, "--at", at, "--size", texels, "--shell", shell, "--capture", 64,
+                              "--samples", 16 if quick else 64, "-o", cube, "--force")
+                    baked = shell
+                ivory.run("probe", cube, "--points", table, "-o", out, "--force", "--lookup", lookup)
+                e, _ = read(out)
+                rms = math.sqrt(max(0.0, numpy.mean((e - truth) ** 2) - numpy.mean(noise ** 2)))
+                cells.append(f"{rms / truth.mean():.3f}, {numpy.abs(e - truth).max() / truth.mean():.1f}")
+            print(f"| {pathlib.Path(scene).stem} | {texels} | {' | '.join(cells)} |", flush=True)
+
+
 def main():
-    choices = {"wall": wall}
+    choices = {"wall": wall, "points": points}
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("figure", choices=choices)
     parser.add_argument("--ivory", default=os.path.join(figures.ROOT, "build", "release", "ivory"))
