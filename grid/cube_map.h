@@ -12,6 +12,9 @@
 // These are the faces of an OpenEXR file with envmap = cube, which stacks them in that order from top
 // to bottom. Texels are areas here: their edges divide the face evenly, their centres lie half a
 // texel inside (OpenEXR's own sampling functions put the outer texels' centres on the edges).
+//
+// An OpenGL cube map shows its faces from outside: the same texels with the columns of +-X and +-Z and the rows of
+// +-Y in reverse.
 #pragma once
 
 #include <array>

@@ -207,6 +207,7 @@ TEST_F(EnvironmentTools, BadInputIsOneLine) {
 
   const std::string points = " --points " + path("p.csv") + " -o " + path("y.csv");
   expect_refused("bake sh9 " + good + json, 1, "--force");
+  expect_refused("bake sh9 " + path("x.exr") + " -o " + path("y.json"), 1, "is baked (difmap)");
   expect_refused("probe " + path("x.json") + points + " --indirect-only", 2, "--indirect-only");
   expect_refused("probe " + path("x.exr") + points + " --guard off", 2, "--guard");
   expect_refused("probe " + good + points, 1, "nothing that can be probed");

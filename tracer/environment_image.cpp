@@ -60,6 +60,9 @@ EnvironmentImage load_environment_image(const std::string& path, std::optional<E
   }
   const OIIO::ImageSpec spec = input->spec();
   if (spec.nchannels < 1) throw Error(path, "has no colour channels", "give an image with one or three channels");
+  if (const std::string_view asset = spec.get_string_attribute("ivory:asset"); !asset.empty())
+    throw Error(path, "is baked (" + std::string(asset) + "), no environment map",
+                "give the map that it was baked from");
   const EnvironmentLayout layout = find_layout(path, spec, asked);
   const auto texels = std::size_t(spec.width) * std::size_t(spec.height);
   const int channels = spec.nchannels >= 3 ? 3 : 1;
