@@ -9,51 +9,10 @@
 
 #include "grid/error.h"
 #include "grid/localized_cube.h"
+#include "tests/cube_builder.h"
 
 namespace ivory {
 namespace {
-
-using Depth = std::function<float(const V3d& w)>;  // inverse distance (1/m) along unit w
-using Light = std::function<Rgb(const V3f& w)>;    // nits along unit w
-
-// A map of what a tracer with endless samples would find in the corners and centres of texels.
-LocalizedCube make_cube(int size, const V3f& origin, const Depth& inverse_distance, const Light& light) {
-  LocalizedCube cube;
-  cube.origin_m = origin;
-  cube.radiance.size = size;
-  for (int face = 0; face < cube_faces; ++face) {
-    for (int row = 0; row < size; ++row) {
-      for (int column = 0; column < size; ++column) {
-        cube.radiance.texels.push_back(light(cube_texel_direction(size, face, row, column)));
-        TexelCorners v{};
-        for (int k = 0; k < 4; ++k) {
-          const V3d q = cube_point(face, cube_edge(size, column + k % 2), cube_edge(size, row + k / 2));
-          v[std::size_t(k)] = float(inverse_distance(q.normalized()) * q.length());
-        }
-        cube.corners.push_back(v);
-      }
-    }
-  }
-  return cube;
-}
-
-Rgb white(const V3f&) { return {1, 1, 1}; }
-
-// Inverse distance to the walls of a box around the origin of w.
-Depth box_around(const V3d& low, const V3d& high) {
-  return [=](const V3d& w) {
-    double v = 0;
-    for (int c = 0; c < 3; ++c) v = std::max(v, w[c] / (w[c] > 0 ? high[c] : low[c]));
-    return float(v);
-  };
-}
-
-V3f random_unit(std::mt19937& random) {
-  std::normal_distribution<float> normal;
-  V3f w(0, 0, 0);
-  while (w.length() < 1e-3F) w = V3f(normal(random), normal(random), normal(random));
-  return w.normalized();
-}
 
 // How far the weights of all texels are from pi. E of the whole shell is bounded by pi L, which would hide weights
 // that sum to more; so one texel is made brighter, which lifts the bound, and its own light taken off again.
@@ -285,87 +244,6 @@ TEST(LocalizedCube, MethodsAgreeWhereTheyMust) {
       EXPECT_NEAR(at_origin[c] / exact[c], 1, 0.01);
       EXPECT_NEAR(patches[c] / exact[c], 1, 0.03);
     }
-  }
-}
-
-TEST(LocalizedCube, PointHasSpikesAndPolygonHasNone) {
-  const LocalizedCube cube = make_cube(4, V3f(0, 0, 0), box_around(V3d(-1), V3d(1)), white);
-  double brightest = 0;
-  for (int i = 0; i < 100; ++i) {
-    // Towards a texel's centre on the wall.
-    const V3f p(0.25F, 0.25F, 0.0099F * float(i));
-    brightest = std::max(brightest, double(irradiance(cube, CubeMethod::point, p, V3f(0, 0, 1)).x));
-    EXPECT_NEAR(irradiance(cube, CubeMethod::polygon, p, V3f(0, 0, 1)).x, pi, 1e-3);
-  }
-  EXPECT_GT(brightest, 100 * pi);
-}
-
-// Continuous across the shell, and no brighter outside than what shines.
-TEST(LocalizedCube, OutsideReadsTheShell) {
-  std::mt19937 random(5);
-  const LocalizedCube cube = make_cube(4, V3f(3, 4, 5), box_around(V3d(-1, -2, -1), V3d(1, 1, 3)),
-                                       [](const V3f& w) { return Rgb(1 + w.x, 1 + w.y, 1 + w.z); });
-  for (int i = 0; i < 1000; ++i) {
-    const V3f w = random_unit(random);
-    const V3f n = random_unit(random);
-    const V3f edge = inside_shell(cube, w * 1e6F);
-    const Rgb inside = irradiance(cube, CubeMethod::polygon, cube.origin_m + edge * 0.99999F, n);
-    for (const float farther : {1.0001F, 1.1F, 100.0F, 1e20F}) {
-      const Rgb outside = irradiance(cube, CubeMethod::polygon, cube.origin_m + edge * farther, n);
-      for (int c = 0; c < 3; ++c) {
-        EXPECT_NEAR(outside[c], inside[c], 0.01F);
-        EXPECT_LE(outside[c], 2 * pi);
-      }
-    }
-  }
-}
-
-// Whatever comes in, what goes out is a number that light can be.
-TEST(LocalizedCube, NothingMakesItFail) {
-  const char* chosen = std::getenv("IVORY_MANY");
-  const int many = chosen != nullptr ? std::atoi(chosen) : 1'000'000;
-  std::mt19937 random(6);
-  std::uniform_real_distribution<float> unit(0, 1);
-  constexpr float inf = std::numeric_limits<float>::infinity();
-  const auto pick = [&](const std::vector<float>& from) { return from[random() % from.size()]; };
-  const auto adversarial = [&](float x) {
-    const float special = pick({0, -0.0F, 1, -1, 1e-38F, 1e-20F, -1e-6F, 1e6F, -1e20F, 3e38F, inf, std::nanf("")});
-    return random() % 3 == 0 ? special : x;
-  };
-  constexpr CubeMethod methods[] = {CubeMethod::convolved, CubeMethod::point, CubeMethod::polygon,
-                                    CubeMethod::polygon_paper};
-  LocalizedCube cube;
-  V3f vertex;
-  for (int i = 0; i < many; ++i) {
-    if (i % 64 == 0) {
-      const int kind = int(random() % 4);
-      const float scale = std::pow(10.0F, 12 * unit(random) - 6);
-      cube = make_cube(
-          1 << random() % 3, random() % 2 == 0 ? V3f(0, 0, 0) : random_unit(random) * scale * 10.0F,
-          [&](const V3d& w) {
-            if (kind == 0) return std::min(box_around(V3d(-0.5), V3d(1))(w) / scale, 0.5e6F);
-            if (kind == 1) return pick({0.0F, 1e-30F, 1e-6F, 1, 0.5e6F});
-            return kind == 2 ? 0.0F : float(w.y > 0 ? 0 : 1 / scale);
-          },
-          [&](const V3f&) {
-            return random() % 4 == 0 ? Rgb(0, greatest_radiance_nits, 1e-30F) : Rgb(unit(random), 1, 0);
-          });
-    }
-    const int size = cube.radiance.size;
-    const int face = int(random() % 6);
-    const int row = int(random() % unsigned(size));
-    const int column = int(random() % unsigned(size));
-    const TexelCorners& v = cube.corners[cube_index(size, face, row, column)];
-    const V3f q(cube_point(face, cube_edge(size, column), cube_edge(size, row)));
-    vertex = v[0] > 0 ? q / v[0] : q;
-    V3f p = cube.origin_m + vertex * pick({0, 0.5F, 0.999F, 1, 1.001F, 2});
-    // On an edge, on a corner's own coordinates, anywhere.
-    if (random() % 4 == 0) p = V3f(adversarial(p.x), adversarial(p.y), adversarial(p.z));
-    V3f n = random_unit(random);
-    if (random() % 4 == 0) n = cube_face_axes(int(random() % 6)).forward;
-    if (random() % 8 == 0 && vertex.length() > 0 && vertex.length() < inf) n = vertex.normalized();
-    const Rgb e = irradiance(cube, methods[i % 4], p, n);
-    for (int c = 0; c < 3; ++c) ASSERT_TRUE(std::isfinite(e[c]) && e[c] >= 0) << i << " " << p << n << e;
   }
 }
 
