@@ -31,7 +31,7 @@ from gltf_writer import Gltf  # noqa: E402
 
 RADIUS_M = 0.25
 PLACES_M = (0.0, 0.25, 0.45, 0.6, 0.74)  # along -x from the middle; the wall is at 1
-BESIDE = (0.22, -0.28)  # y and z of the way: towards a texel of the 4x4 map, not quite at its centre
+BESIDE = (0.22, -0.38)  # y and z of the way: a texel of the 4x4 map has its centre beside it, on the camera's side
 LOOKUPS = ("convolved", "point", "polygon_paper", "polygon")
 SIZE = 96
 
@@ -99,7 +99,7 @@ def within(mask):
 def wall(ivory, quick):
     folder = pathlib.Path(ivory.work)
     write_scenes(folder)
-    samples = "64" if quick else "1k"
+    samples = 64 if quick else 512
     for light in ("point", "lamp"):
         scene = str(folder / f"box_{light}.gltf")
         print(f"\nLit by a {light}:\n\n| texels | distance to the wall | " + " | ".join(LOOKUPS) + " |\n|---|---|" + "---|" * len(LOOKUPS))
