@@ -52,9 +52,8 @@ struct LightLeaves {
 int split_level(const Lobe& f, const LightCap& cap, const LobeParams& params) {
   const float light_exponent = 2 / cap.height - 2;
   int level = 0;
-  for (float e = light_exponent; level < params.max_split_level && e < 4 * f.exponent; e *= 4) ++level;
-  // Lobes as wide as the light see no edge.
-  return 4 * f.exponent > 4 * light_exponent ? level : 0;
+  for (float e = light_exponent; level < params.max_split_level && e < 16 * f.exponent; e *= 4) ++level;
+  return level;
 }
 
 // Sum of products with lit leaves over the sum with all, or the former alone for a split light.
