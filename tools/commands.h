@@ -15,13 +15,16 @@ void add_bake_lobes_command(CLI::App& bake, CommonOptions& common);
 void add_bake_spheres_command(CLI::App& bake, CommonOptions& common);
 void add_bake_difmap_command(CLI::App& bake, CommonOptions& common);
 void add_bake_sh9_command(CLI::App& bake, CommonOptions& common);
+void add_bake_fiv_command(CLI::App& bake, CommonOptions& common);
 void add_merge_command(CLI::App& app, CommonOptions& common);
 void add_render_command(CLI::App& app, CommonOptions& common);
 void add_probe_command(CLI::App& app, CommonOptions& common);
 void add_compare_command(CLI::App& app, CommonOptions& common);
 void add_info_command(CLI::App& app, CommonOptions& common);
 void add_bench_command(CLI::App& app, CommonOptions& common);
-void add_bench_cubemap_command(CLI::App& bench, CommonOptions& common);  // `bench` is the `ivory bench` command
-void add_bench_sh9_command(CLI::App& bench, CommonOptions& common);      // `bench` is the `ivory bench` command
+// `bench` is the `ivory bench` command.
+void add_bench_cubemap_command(CLI::App& bench, CommonOptions& common);
+void add_bench_fiv_command(CLI::App& bench, CommonOptions& common);
+void add_bench_sh9_command(CLI::App& bench, CommonOptions& common);
 
 }  // namespace ivory

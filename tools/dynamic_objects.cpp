@@ -114,6 +114,16 @@ std::vector<bool> place_objects(Scene& scene, const std::vector<std::string>& ob
   return is_object;
 }
 
+std::vector<bool> instances_below(const Scene& scene, int node) {
+  std::vector<bool> found(scene.instances.size(), false);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    for (int above = scene.instances[i].node; above != no_index && !found[i];
+         above = scene.nodes[std::size_t(above)].parent)
+      found[i] = above == node;
+  }
+  return found;
+}
+
 void remove_node(Scene& scene, const std::string& name) {
   const std::vector<bool> found = instances_below(scene, name);
   std::vector<Instance> kept;

@@ -15,6 +15,9 @@ namespace ivory {
 // Throws UsageError for names of no node, Error as load_gltf() does and for objects without triangles.
 std::vector<bool> place_objects(Scene& scene, const std::vector<std::string>& objects, const CommonOptions& common);
 
+// For each of the scene's instances: does it belong to that node, or to one below it?
+std::vector<bool> instances_below(const Scene& scene, int node);
+
 // Takes a node and all below it out of the scene. Throws UsageError where there is none of that name, or no mesh.
 void remove_node(Scene& scene, const std::string& name);
 

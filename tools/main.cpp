@@ -51,6 +51,7 @@ int run(int argc, char** argv) {
   ivory::add_bake_spheres_command(*bake, common);
   ivory::add_bake_difmap_command(*bake, common);
   ivory::add_bake_sh9_command(*bake, common);
+  ivory::add_bake_fiv_command(*bake, common);
   ivory::add_merge_command(app, common);
   ivory::add_probe_command(app, common);
   ivory::add_render_command(app, common);

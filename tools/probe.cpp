@@ -83,6 +83,7 @@ void add_probe_command(CLI::App& app, CommonOptions& common) {
   sources->push_back(make_sh9_source());
   sources->push_back(make_difmap_source());
   sources->push_back(make_scene_source(*command));
+  sources->push_back(make_fiv_source(*command));
   command->footer(
       "Examples:\n"
       "  ivory probe room.vdb --points p.csv -o grid.csv --scene room.glb\n"

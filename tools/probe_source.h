@@ -38,5 +38,6 @@ ProbeSource make_cubemap_source(CLI::App& command);
 ProbeSource make_sh9_source();  // no options of their own
 ProbeSource make_difmap_source();
 ProbeSource make_scene_source(CLI::App& command);
+ProbeSource make_fiv_source(CLI::App& command);
 
 }  // namespace ivory

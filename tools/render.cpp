@@ -207,6 +207,7 @@ void add_render_command(CLI::App& app, CommonOptions& common) {
   for (RenderMethod& method : make_grid_methods(*command, grid)) methods->push_back(std::move(method));
   methods->push_back(make_cubemap_method(*command, grid));
   methods->push_back(make_lobes_method(*command));
+  methods->push_back(make_fiv_method(*command));
   std::vector<std::string> names;
   std::string summary;
   for (const RenderMethod& method : *methods) {

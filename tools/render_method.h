@@ -42,6 +42,7 @@ std::vector<RenderMethod> make_grid_methods(CLI::App& command,
                                             const std::shared_ptr<GridInputOptions>& grid);  // direct, gather
 RenderMethod make_cubemap_method(CLI::App& command, const std::shared_ptr<GridInputOptions>& grid);
 RenderMethod make_lobes_method(CLI::App& command);
+RenderMethod make_fiv_method(CLI::App& command);
 
 // A count of a command line as an int; throws UsageError where it is less than `least` or too large.
 int int_count(const char* option, std::uint64_t count, std::uint64_t least);

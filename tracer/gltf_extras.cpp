@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -98,6 +99,16 @@ std::optional<SphereLight> read_sphere_light(const Document& document, std::size
   const V3f radiance = triple(document, *item, "radiance", what, 0);
   light.radiance_nits = Rgb(radiance.x, radiance.y, radiance.z);
   return light;
+}
+
+std::string read_fiv_table(const Document& document, std::size_t node) {
+  const json& source = element(document, "nodes", node);
+  const json* table = extra(source, "ivory_occluder");
+  if (table == nullptr) return {};
+  if (!table->is_string() || table->get<std::string>().empty())
+    fail(document, label("nodes", node, source.value("name", std::string())) + ".extras", "ivory_occluder",
+         "the name of an FIV table");
+  return (std::filesystem::path(document.path).parent_path() / table->get<std::string>()).string();
 }
 
 }  // namespace ivory::gltf

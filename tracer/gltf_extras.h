@@ -13,4 +13,7 @@ std::vector<LafortuneLobe> read_lafortune(const Document& document, std::size_t 
 // its radius scaled as the node scales volumes. Nothing where there is none.
 std::optional<SphereLight> read_sphere_light(const Document& document, std::size_t node, const M44f& to_world);
 
+// nodes[i].extras.ivory_occluder: the name of an FIV table, relative to the file. Empty where there is none.
+std::string read_fiv_table(const Document& document, std::size_t node);
+
 }  // namespace ivory::gltf

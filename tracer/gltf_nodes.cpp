@@ -329,7 +329,8 @@ void place_nodes(Document& document, const MeshSet& meshes, Scene& scene) {
   std::vector<Open> open;
   const std::vector<int> roots = root_nodes(document, parents);
   for (auto root = roots.rbegin(); root != roots.rend(); ++root) open.push_back({std::size_t(*root), M44d(), true});
-  for (std::size_t i = 0; i < parents.size(); ++i) scene.nodes.push_back({document.model.nodes[i].name, parents[i]});
+  for (std::size_t i = 0; i < parents.size(); ++i)
+    scene.nodes.push_back({document.model.nodes[i].name, parents[i], read_fiv_table(document, i)});
   Placer placer(document, meshes, scene);
   while (!open.empty()) {
     const Open current = open.back();

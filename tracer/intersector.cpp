@@ -50,9 +50,15 @@ float coverage_of(const RTCFilterFunctionNArguments& args, const GeometryRecord&
 
 // Closest hit, geometry that has coverage: a partly covered surface may be missed.
 void filter_closest(const RTCFilterFunctionNArguments* args) {
-  assert(args->N == 1);
   const auto& record = *static_cast<const GeometryRecord*>(args->geometryUserPtr);
   const auto& context = *reinterpret_cast<const RayContext*>(args->context);
+  if (context.blocking_coverage >= 0) {
+    for (unsigned lane = 0; lane < args->N; ++lane) {
+      if (args->valid[lane] != 0 && coverage_of(*args, record, lane) < context.blocking_coverage) args->valid[lane] = 0;
+    }
+    return;
+  }
+  assert(args->N == 1);
   const float coverage = coverage_of(*args, record, 0);
   const bool there = coverage >= 1 || coverage > coverage_threshold(context.coverage_seed,
                                                                     RTCHitN_instID(args->hit, 1, 0, 0) * 31U +
@@ -301,6 +307,39 @@ float Intersector::transmittance(const Ray& ray) const {
   RTCRay query = make_ray(ray);
   rtcOccluded1(state_->top, &context.embree, &query);
   return query.tfar < 0 ? 0 : context.transmittance;
+}
+
+std::array<float, 8> Intersector::distances(const std::array<V3f, 8>& origins, int count, const V3f& direction) const {
+  alignas(32) std::array<int, 8> active{};
+  RTCRayHit8 query;
+  for (std::size_t i = 0; i < 8; ++i) {
+    active[i] = static_cast<int>(i) < count ? -1 : 0;
+    const V3f& origin = origins[i < std::size_t(count) ? i : 0];
+    query.ray.org_x[i] = origin.x;
+    query.ray.org_y[i] = origin.y;
+    query.ray.org_z[i] = origin.z;
+    query.ray.dir_x[i] = direction.x;
+    query.ray.dir_y[i] = direction.y;
+    query.ray.dir_z[i] = direction.z;
+    query.ray.tnear[i] = 0;
+    query.ray.tfar[i] = std::numeric_limits<float>::infinity();
+    query.ray.time[i] = 0;
+    query.ray.mask[i] = ~0U;
+    query.ray.id[i] = 0;
+    query.ray.flags[i] = 0;
+    query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
+  }
+  RayContext context = make_context({});
+  context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+  context.blocking_coverage = 0.5F;
+  rtcIntersect8(active.data(), state_->top, &context.embree, &query);
+  std::array<float, 8> out{};
+  for (std::size_t i = 0; i < 8; ++i) {
+    out[i] =
+        query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID ? std::numeric_limits<float>::infinity() : query.ray.tfar[i];
+  }
+  return out;
 }
 
 std::uint32_t Intersector::visible(const V3f& origin, const std::array<V3f, 8>& targets, int count) const {

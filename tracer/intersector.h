@@ -55,6 +55,10 @@ class Intersector {
   // surfaces? Bit i of the answer. BLEND surfaces with alpha below one half do not block.
   std::uint32_t visible(const V3f& origin, const std::array<V3f, 8>& targets, int count) const;
 
+  // Distances along `direction` (unit) to the first surface from each of the first `count` (at most 8) origins,
+  // infinity for none. BLEND surfaces with alpha below one half are not there. For rays side by side.
+  std::array<float, 8> distances(const std::array<V3f, 8>& origins, int count, const V3f& direction) const;
+
   // Bare Embree closest-hit queries on `rays`, one by one, nothing made of the hits: the rate that
   // everything else is measured against. Returns how many rays hit.
   std::uint64_t count_hits(std::span<const Ray> rays) const;

@@ -113,6 +113,7 @@ struct Instance {
 struct SceneNode {
   std::string name;
   int parent = no_index;
+  std::string fiv_table;  // extras.ivory_occluder: the FIV table of what hangs below; empty: none
 };
 
 struct Camera {

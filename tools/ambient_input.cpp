@@ -1,0 +1,46 @@
+#include "tools/ambient_input.h"
+
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "grid/error.h"
+#include "grid/io_difmap.h"
+#include "grid/io_sh9.h"
+#include "tracer/irradiance_baker.h"
+
+namespace ivory {
+
+namespace {
+
+void check_environment(const std::string& path, const Metadata& metadata, const SceneInput& input) {
+  const auto baked = metadata.find("environment_hash");
+  const auto given = input.origin.find("environment_hash");
+  if (baked == metadata.end() || given == input.origin.end() || baked->second != given->second)
+    throw Error(path, "was baked from another environment", "bake it from the one given by --env");
+}
+
+}  // namespace
+
+std::function<Rgb(const V3f&)> load_ambient(const std::string& path, const SceneInput& input,
+                                            const CommonOptions& common) {
+  if (path.empty()) {
+    constexpr int size = 64;
+    const EnvironmentImage image{EnvironmentLayout::latlong, *input.scene.environment};
+    auto map = std::make_shared<DifMap>();
+    map->e = bake_irradiance(make_irradiance_tree(image), size).e;
+    return [map](const V3f& n) { return irradiance(*map, n); };
+  }
+  if (is_sh9_name(path)) {
+    const Sh9Asset asset = read_sh9(path);
+    check_environment(path, asset.metadata, input);
+    print_note(common, fmt::format("{}: E is wrong by {:.2f} % of the mean E on average", path,
+                                   100 * asset.error.average_of_mean_e()));
+    return [matrices = to_float(sh9_matrices(asset.sh))](const V3f& n) { return irradiance(matrices, n); };
+  }
+  auto map = std::make_shared<DifMap>(read_difmap(path));
+  check_environment(path, map->metadata, input);
+  return [map](const V3f& n) { return irradiance(*map, n); };
+}
+
+}  // namespace ivory
