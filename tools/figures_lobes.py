@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
 """Measures cosine lobes and sphere sets: error against time, beside shadow rays and spherical Gaussians.
 
-    tools/figures_lobes.py products | gaussians | spheres | shadows | options | all   [--ivory PATH] [--work FOLDER] [--quick]
+    tools/figures_lobes.py products | gaussians | spheres | shadows | rates | options | all   [--ivory PATH] [--work FOLDER] [--quick]
 
 products: the table's errors. gaussians: spherical Gaussians (numpy). spheres: sphere sets of the bunny. shadows: the plane under the bunny, by
 mask depth and by shadow rays, against Monte Carlo on the same spheres and on the mesh; draws lobes.svg and lobes.png. options: threshold,
 rule and split. All but products and gaussians need the bunny of Debian's package glmark2-data. Prints Markdown rows. Times are the best of
-five, pictures of 320x240 with one sample a pixel, one thread, everything counted but reading the scene; "shadows" is the time beyond that
-of the same picture without shadows. The same seed everywhere: pixels are looked at in the same places.
+five, pictures of 320x240 with one sample a pixel, one thread, everything counted but reading the scene. The same seed everywhere: pixels are
+looked at in the same places. rates: points a second, from pictures of 16 samples a pixel beyond the time of the same without shadows.
 """
 import argparse
 import json
@@ -58,6 +58,10 @@ class Ivory:
         return min(self.run("render", self.scene(scene), "-o", self.path(out), "--force", "--method", "lobes", "--samples", 1,
                             "--size", size, "--threads", 1, "--lobes", self.table(), *options)["seconds"]
                    for _ in range(repeats))
+
+    def seconds_of(self, scene, samples, *options):
+        return min(self.run("render", self.scene(scene), "-o", self.path("rate.exr"), "--force", "--method", "lobes", "--size", "320x240",
+                            "--threads", 1, "--lobes", self.table(), "--samples", samples, *options)["seconds"] for _ in range(3))
 
     def nrmse(self, image, reference):
         return self.run("compare", self.path(image), self.path(reference))["nrmse"]
@@ -132,15 +136,12 @@ def curves(ivory, scene, reference, reference_options, series, prefix):
     if not os.path.exists(ivory.path(reference)):
         ivory.render(scene, reference, *reference_options)
     result = {}
-    bare = ivory.render(scene, "figure.exr", "--shadows", "none", repeats=5)
-    print(f"| {prefix} | no shadows | | {1000 * bare:.0f} ms | | |")
     for label, settings in series.items():
         for setting, options in settings:
             seconds = ivory.render(scene, "figure.exr", *options, repeats=5)
             error = ivory.nrmse("figure.exr", reference)
             result.setdefault(label, []).append((setting, seconds, error))
-            rate = 320 * 240 / max(seconds - bare, 1e-4) / 1e6
-            print(f"| {prefix} | {label} | {setting} | {1000 * seconds:.0f} ms | {rate:.2f} M/s | {100 * error:.3f} % |", flush=True)
+            print(f"| {prefix} | {label} | {setting} | {1000 * seconds:.0f} ms | {100 * error:.3f} % |", flush=True)
     return result
 
 
@@ -152,7 +153,7 @@ def shadows(ivory):
     rays = (1, 4, 16, 64, 256) if ivory.quick else (1, 4, 16, 64, 256, 1024)
     truth = ("--shadow-rays", 1024 if ivory.quick else 4096)
     set64 = ("--spheres", ivory.set(64))
-    print("| truth | method | setting | time | shadows, points | NRMSE |\n|---|---|---|---|---|---|")
+    print("| truth | method | setting | time | NRMSE |\n|---|---|---|---|---|")
 
     def lobes(count, depths=DEPTHS):
         return [(f"depth {d}", ("--spheres", ivory.set(count), "--mask-depth", d)) for d in depths]
@@ -189,6 +190,20 @@ def shadows(ivory):
         figure.savefig(ivory.path("lobes." + extension), dpi=110)
 
 
+def rates(ivory):
+    print("| scene | shadows | points a second |\n|---|---|---|")
+    for scene in ("bunny_plane.glb", "bunny_gloss.glb"):
+        bare = ivory.seconds_of(scene, 16, "--shadows", "none")
+        print(f"| {scene} | none, eye rays included | {320 * 240 * 16 / bare / 1e6:.2f} M |")
+        for label, samples, options in (
+                *((f"lobes, {count} spheres, depth {d}", 16, ("--spheres", ivory.set(count), "--mask-depth", d))
+                  for count in COUNTS for d in (3, 4, 5)),
+                ("16 rays, 64 spheres", 4, ("--spheres", ivory.set(64), "--shadows", "spheres", "--shadow-rays", 16)),
+                ("16 rays, mesh", 4, ("--shadows", "mesh", "--shadow-rays", 16))):
+            seconds = ivory.seconds_of(scene, samples, *options) - bare * samples / 16
+            print(f"| {scene} | {label} | {320 * 240 * samples / max(seconds, 1e-4) / 1e6:.2f} M |", flush=True)
+
+
 def options(ivory):
     """Threshold, mask rule and split, against Monte Carlo on the same spheres."""
     set64 = ("--spheres", ivory.set(64))
@@ -207,7 +222,7 @@ def options(ivory):
 
 
 def main():
-    figures = {"products": products, "gaussians": gaussians, "spheres": spheres, "shadows": shadows, "options": options}
+    figures = {"products": products, "gaussians": gaussians, "spheres": spheres, "shadows": shadows, "rates": rates, "options": options}
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("figure", choices=[*figures, "all"])
     parser.add_argument("--ivory", default=os.path.join(ROOT, "build", "release", "ivory"))
