@@ -21,11 +21,15 @@ float eval_lobe(const Lobe& lobe, const V3f& w) {
 
 float lobe_integral(const Lobe& lobe) { return 2 * pi * lobe.scale / (lobe.exponent + 1); }
 
+Lobe spread_lobe(const V3f& axis, float height, float spread) {
+  if (!(height > 0)) return {axis, max_lobe_exponent, 0};
+  const float exponent = std::clamp(1 / std::max(spread, 1e-12F) - 2, 0.0F, max_lobe_exponent);
+  return {axis, exponent, (exponent + 1) * height};
+}
+
 Lobe cap_lobe_from_height(const V3f& axis, float height) {
   const float h = std::clamp(height, 0.0F, 1.0F);
-  if (!(h > 0)) return {axis, max_lobe_exponent, 0};
-  const float exponent = std::min(2 / h - 2, max_lobe_exponent);
-  return {axis, exponent, (exponent + 1) * h};
+  return spread_lobe(axis, h, 0.5F * h);
 }
 
 Lobe cap_lobe(const V3f& axis, float cos_half_angle) { return cap_lobe_from_height(axis, 1 - cos_half_angle); }

@@ -31,6 +31,9 @@ Lobe cap_lobe(const V3f& axis, float cos_half_angle);
 // The same from 1 - cos(half angle), which for small caps is the better conditioned number.
 Lobe cap_lobe_from_height(const V3f& axis, float height);
 
+// The lobe of any patch of directions: solid angle over 2 pi, and 1 - mean cosine to the axis (0 to 1/2).
+Lobe spread_lobe(const V3f& axis, float height, float spread);
+
 // Half-angle of a sphere seen from distance_m > radius_m: 1 - cos, to full precision for small spheres.
 float sphere_cap_height(float radius_m, float distance_m);
 

@@ -25,6 +25,7 @@ struct Block {
   float area = 0;  // of that part; 0: the block lies outside
   float a = 0;     // r^2 is as if uniform over [a, b]
   float b = 0;
+  float variance = 0;  // mean squared distance from the centroid
 };
 
 struct BlockTable {
@@ -77,8 +78,12 @@ BlockTable make_block_table() {
         }
         const double mean = s.r2 / s.area;
         const double spread = std::sqrt(3 * std::max(0.0, s.r4 / s.area - mean * mean));
-        block = {float(s.x / s.area), float(s.y / s.area), float(s.area * cell * cell / (sub * sub)),
-                 float(std::max(0.0, mean - spread)), float(mean + spread)};
+        block = {float(s.x / s.area),
+                 float(s.y / s.area),
+                 float(s.area * cell * cell / (sub * sub)),
+                 float(std::max(0.0, mean - spread)),
+                 float(mean + spread),
+                 float(mean - (s.x * s.x + s.y * s.y) / (s.area * s.area))};
       }
       table.outside[std::size_t(level)][std::size_t(j)] = outside;
     }
@@ -108,6 +113,11 @@ std::uint32_t even_bits(std::uint32_t x) {
 }
 
 using Rows = std::array<std::uint32_t, max_mask_size>;
+
+// 1 - mean cosine is half the mean square of the angle, which is 2 t/(1 + t^2 r^2) a unit of the plane.
+float block_spread(const Block& block, float t2) {
+  return 2 * t2 * block.variance / ((1 + t2 * block.a) * (1 + t2 * block.b));
+}
 
 float block_height(const Block& block, float t2) {
   return 4 * t2 * block.area / ((1 + t2 * block.a) * (1 + t2 * block.b)) / (2 * pi);
@@ -240,6 +250,7 @@ int mask_leaves(const ShadowMask& mask, const LightCap& cap, std::span<MaskLeaf>
     MaskLeaf& leaf = leaves[std::size_t(count++)];
     leaf.axis = cap.x * (2 * x * q) + cap.y * (2 * y * q) + cap.z * ((1 - x * x - y * y) * q);
     leaf.height = block_height(block, t2);
+    leaf.spread = block_spread(block, t2);
     leaf.level = level;
     leaf.lit = lit;
   };

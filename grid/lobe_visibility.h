@@ -50,13 +50,16 @@ ShadowMask make_shadow_mask(const Sphere& light, const LightCap& cap, const V3f&
 float lit_fraction(const ShadowMask& mask, const LightCap& cap);
 
 // A block of the quad-tree that is dark or lit throughout while its parent is neither, or is on the least level.
-// Without initial values: a shaded point's list of a thousand is not to be cleared first.
+// spread_lobe(axis, height, spread) is the leaf's lobe. Without initial values: a shaded point's list of a thousand is
+// not to be cleared first.
 struct MaskLeaf {
   V3f axis;      // towards the centroid of the block's part of the cap
-  float height;  // of the cap of equal solid angle: cap_lobe_from_height(axis, height) is the leaf's lobe
+  float height;  // solid angle over 2 pi
+  float spread;  // 1 - mean cosine to the axis; half the height for the whole light
   int level;     // 0 is the whole square
   bool lit;
 };
+
 // All leaves, in a fixed order; their solid angles add up to the cap's. Blocks above `least_level` (0 to
 // max_mask_depth) are split, dark and lit ones alike. Returns how many leaves; max_mask_leaves at most, and `leaves`
 // must hold so many.

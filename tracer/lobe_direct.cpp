@@ -14,7 +14,7 @@
 // which is the report's L = I - sum_{k dark} w g_k (eq. 39) with the weight w = I/sum_k g_k: the one that makes the
 // leaves of a light that is covered altogether cancel its lobe exactly, whatever f. Nothing is left to adjust.
 // Leaves of f = 1 give the lit fraction of the light's solid angle, leaves of the cosine their irradiance; both
-// exactly, because a cap's lobe has the cap's integral and vector moment.
+// exactly, because a leaf's lobe has the leaf's solid angle and vector moment.
 //
 // Where f is narrower than the light, one lobe is a poor picture of the light's edge: leaves are then kept at a least
 // level and L = sum_{k lit} g_k. All leaves' solid angles still add up to the light's.
@@ -23,13 +23,14 @@ namespace ivory {
 
 namespace {
 
-float product_with_cap(const LobeTable& table, const Lobe& f, const V3f& axis, float height) {
+// f with the lobe of a patch: its solid angle over 2 pi and 1 - mean cosine.
+float product_with_patch(const LobeTable& table, const Lobe& f, const V3f& axis, float height, float spread) {
   const float cosine = f.axis.dot(axis);
-  // A matt surface sees of a cap above its horizon the vector moment alone. The cap's lobe reaches farther than the
-  // cap; at one and a half times its sine the part of it below the horizon is under 1e-4.
-  if (f.exponent == 1 && cosine * cosine >= 2.25F * height * (2 - height) && cosine > 0)
-    return f.scale * cosine * 2 * pi * height * (1 - 0.5F * height);
-  return lobe_product_integral(table, f, cap_lobe_from_height(axis, height));
+  // A matt surface sees of a patch above its horizon the vector moment alone. Lobes reach farther than patches; at one
+  // and a half times the patch's sine the part of it below the horizon is under 1e-4.
+  if (f.exponent == 1 && cosine * cosine >= 4.5F * spread * (2 - 2 * spread) && cosine > 0)
+    return f.scale * cosine * 2 * pi * height * (1 - spread);
+  return lobe_product_integral(table, f, spread_lobe(axis, height, spread));
 }
 
 // The product of f with a leaf of height h is near s_f (2 pi h (2 + e_f h)/... ) cos^H(angle), H the harmonic sum of
@@ -52,15 +53,14 @@ struct LightLeaves {
 int split_level(const Lobe& f, const LightCap& cap, const LobeParams& params) {
   const float light_exponent = 2 / cap.height - 2;
   int level = 0;
-  for (float e = light_exponent; level < params.max_split_level && e < 4 * f.exponent; e *= 4) ++level;
-  // Lobes as wide as the light see no edge.
-  return 4 * f.exponent > 4 * light_exponent ? level : 0;
+  for (float e = light_exponent; level < params.max_split_level && e < 16 * f.exponent; e *= 4) ++level;
+  return level;
 }
 
 // Sum of products with lit leaves over the sum with all, or the former alone for a split light.
 float lit_part(const LobeScene& lobes, const Lobe& f, const LightCap& cap, const LightLeaves& leaves, bool split,
                const LobeParams& params) {
-  const float whole = product_with_cap(lobes.table, f, cap.z, cap.height);
+  const float whole = product_with_patch(lobes.table, f, cap.z, cap.height, 0.5F * cap.height);
   if (!(whole > 0)) return 0;
   if (leaves.count == 1 && !split) return leaves.leaves[0].lit ? whole : 0;
   std::array<float, max_mask_depth + 1> least_cosine;
@@ -75,13 +75,16 @@ float lit_part(const LobeScene& lobes, const Lobe& f, const LightCap& cap, const
   }
   float lit = 0;
   float dark = 0;
+  float lit_height = 0;
   for (int i = 0; i < leaves.count; ++i) {
     const MaskLeaf& leaf = leaves.leaves[std::size_t(i)];
+    if (leaf.lit) lit_height += leaf.height;
     if (f.axis.dot(leaf.axis) < least_cosine[std::size_t(leaf.level)]) continue;
-    (leaf.lit ? lit : dark) += product_with_cap(lobes.table, f, leaf.axis, leaf.height);
+    (leaf.lit ? lit : dark) += product_with_patch(lobes.table, f, leaf.axis, leaf.height, leaf.spread);
   }
-  if (split) return lit;
-  return lit + dark > 0 ? whole * (lit / (lit + dark)) : 0;
+  // A threshold so high that nothing is left: by solid angle.
+  if (!(lit + dark > 0)) return whole * (lit_height / cap.height);
+  return split ? lit : whole * (lit / (lit + dark));
 }
 
 Rgb by_lobes(const LobeScene& lobes, const Sphere& light, const LightCap& cap, const V3f& p,
