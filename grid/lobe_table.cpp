@@ -17,7 +17,7 @@
 // There its value is P = (1 + tan^2 d1)^(-e1/2) (1 + tan^2 d2)^(-e2/2), the curvature of its logarithm N across the
 // plane and K = N + e1 tan^2 d1 + e2 tan^2 d2 within, so that I is near 2 pi P/(N + 1) sqrt(N/K). Where one exponent is
 // small the peak moves into the horizon of that lobe and K grows without bound; exponents raised by 1/2 in all of the
-// above (but not in P's powers) keep both apart and the guess within a factor of 2.3 of I everywhere. The table holds
+// above (but not in P's powers) keep both apart and the guess within a factor of 1.6 of I everywhere. The table holds
 //
 //   I / guess,   (angle of the vector moment - d1) sqrt(N + 1),   (exponent + 2)/(N + 2).
 //

@@ -9,8 +9,8 @@
 
 namespace ivory {
 
-// Nodes along each exponent and along the angle. The default is 0.8 MiB with a mean error of the integral of
-// about 1e-6 of the product's largest possible value.
+// Nodes along each exponent and along the angle. The default is 0.8 MiB with a mean relative error of the integral of
+// 8e-5.
 struct LobeTableParams {
   int exponent_nodes = 33;  // 2 to 129
   int angle_nodes = 65;     // 2 to 513
@@ -27,7 +27,7 @@ struct LobeTable {
   std::size_t bytes() const { return values.size() * sizeof(float); }
 };
 
-// Builds the table, some 0.5 s on one core for the default; throws UsageError for node counts out of range.
+// Builds the table, some 0.7 s on one core for the default; throws UsageError for node counts out of range.
 LobeTable make_lobe_table(const LobeTableParams& params = {});
 
 // The product of a and b as one lobe. Exponents above max_lobe_exponent are read at the table's edge.
