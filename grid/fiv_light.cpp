@@ -11,6 +11,7 @@ namespace {
 // What one occluder does to a receiver.
 struct Shadow {
   Rgb hidden{0, 0, 0};    // lux
+  V3f light{0, 0, 0};     // unit, mean direction of what is hidden, weighted by radiance
   V3f towards{0, 0, 0};   // unit, to the occluder's centre
   float disc_radius = 0;  // of its bounding sphere on the unit sphere about the receiver: the sine of the half-angle
   float coverage = 1;     // share of the disc that it fills
@@ -25,8 +26,13 @@ Shadow shadow_of(const FivPlacement& occluder, const V3f& p, const V3f& n, Strad
   shadow.coverage = occluder.table->coverage;
   const float height = -q.dot(n);
   // Below the plane there is nothing to look up.
-  if (height > -1)
-    shadow.hidden = hidden_irradiance(*occluder.table, lookup(*occluder.table, q), n, height, straddling);
+  if (height <= -1) return shadow;
+  const FivMoments moments = lookup(*occluder.table, q);
+  shadow.hidden = hidden_irradiance(*occluder.table, moments, n, height, straddling);
+  V3f light;
+  for (unsigned axis = 0; axis < 3; ++axis)
+    light[axis] = luminance(Rgb(moments[3 * axis], moments[3 * axis + 1], moments[3 * axis + 2]));
+  if (light.length() > 0) shadow.light = light.normalized();
   return shadow;
 }
 
@@ -75,8 +81,8 @@ float gathered_share(const Shadow& shadow, const V3f& n, const Rgb& unshadowed) 
 
 // The strongest first; each hides of its light what the ones before left open. Light spread over the disc A_k of
 // an occluder: an earlier one with disc A_j, filled to the share c_j, has hidden c_j A_jk / A_k of it, if the two are
-// laid out independently of each other. Light gathered in few places: the two hide the same places, wherever their
-// discs are, as often as the earlier one hides any light, E_j / E.
+// laid out independently of each other. Light gathered in few places is hidden by both where the mean directions of the
+// light that they hide agree, to within the smaller disc.
 Rgb hidden_by_covers(std::span<Shadow> shadows, const V3f& n, const Rgb& unshadowed) {
   std::sort(shadows.begin(), shadows.end(),
             [](const Shadow& a, const Shadow& b) { return luminance(a.hidden) > luminance(b.hidden); });
@@ -87,7 +93,8 @@ Rgb hidden_by_covers(std::span<Shadow> shadows, const V3f& n, const Rgb& unshado
     for (std::size_t j = 0; j < k; ++j) {
       const float gathered = gathered_k * gathered_share(shadows[j], n, unshadowed);
       const float spread = shadows[j].coverage * common_area(shadows[j], shadows[k]) / disc_area(shadows[k]);
-      const float same = luminance(shadows[j].hidden) / luminance(unshadowed);
+      const float apart = (shadows[j].light - shadows[k].light).length();
+      const float same = std::max(0.0F, 1 - apart / std::min(shadows[j].disc_radius, shadows[k].disc_radius));
       open *= 1 - std::min(1.0F, (1 - gathered) * spread + gathered * same);
     }
     hidden += shadows[k].hidden * open;

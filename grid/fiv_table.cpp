@@ -66,7 +66,7 @@ FivMoments lookup(const FivTable& table, const V3f& q) {
   const Between polar = between_polars(q, table.size.y);
   const Between distance = between_radii(table.radii, r);
   const auto numbers = std::size_t(3 * fiv_function_count(table.hemispheres));
-  const float falloff = fiv_falloff(std::max(r, table.radii.front()));
+  const float falloff = fiv_falloff(r);
 
   FivMoments out{};
   for (int corner = 0; corner < 8; ++corner) {

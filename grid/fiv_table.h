@@ -55,8 +55,8 @@ V3d fiv_sample_direction(const V3i& size, int azimuth, int polar);
 inline float fiv_falloff(float r) { return r > 1 ? 1 / (r * r) : 1; }
 
 // Moments hidden from a receiver at `q`, its position relative to the occluder's centre in bounding radii.
-// Trilinear in azimuth, polar angle and distance; beyond the last sphere they fade with fiv_falloff(),
-// within the first they are the first's.
+// Trilinear in azimuth, polar angle and distance; beyond the last sphere and within the first they follow
+// fiv_falloff() from there.
 FivMoments lookup(const FivTable& table, const V3f& q);
 
 // How the light hidden from a receiver follows from the moments where the occluder reaches below the receiver's plane.

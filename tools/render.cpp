@@ -101,6 +101,8 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
     throw UsageError("--method " + options.method + " needs --object FILE.glb@X,Y,Z or a node of the scene");
   if (method.uses_objects && options.indirect_only)
     throw UsageError("--method " + options.method + " cannot leave out direct light: --indirect-only serves others");
+  if (method.needs_environment && options.environment.path.empty())
+    throw UsageError("--method " + options.method + " lights by an environment: give --env");
   if (method.check) method.check();
   for (const std::string& output : options.outputs) {
     check_output(output, common);

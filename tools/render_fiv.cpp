@@ -71,7 +71,6 @@ void check_environment(const std::string& path, const FivTable& table, const Sce
 Film render(const FivOptions& options, const RenderRequest& request) {
   const SceneInput& input = request.input;
   const Scene& scene = input.scene;
-  if (!scene.environment) throw UsageError("--method fiv lights by an environment: give --env");
   const std::map<int, std::string> table_of_node = tables_of_nodes(options, scene);
   std::map<std::string, FivTable> tables;
   FivScene fiv;
@@ -133,6 +132,7 @@ RenderMethod make_fiv_method(CLI::App& command) {
   method.name = "fiv";
   method.summary = "diffuse light of --env, shadowed by --occluder tables";
   method.options = {"--occluder", "--ambient", "--overlap", "--straddling"};
+  method.needs_environment = true;
   method.check = [options] {
     for (const std::string& text : options->occluders) parse_occluder(text);
   };

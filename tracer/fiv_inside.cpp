@@ -80,7 +80,10 @@ void fill_inside(FivTable& table, std::vector<char> inside) {
             if (p < 0 || p >= size.y || d < 0 || d >= size.z) return;
             const std::size_t other = at((a + size.x) % size.x, p, d);
             if (before[other] != 0) return;
-            for (std::size_t i = 0; i < numbers; ++i) sums[i] += double(table.values[other * numbers + i]);
+            // What interpolation works on: values over the falloff.
+            const float scale =
+                fiv_falloff(table.radii[std::size_t(distance)]) / fiv_falloff(table.radii[std::size_t(d)]);
+            for (std::size_t i = 0; i < numbers; ++i) sums[i] += double(table.values[other * numbers + i] * scale);
             ++neighbours;
           };
           add(azimuth - 1, polar, distance);

@@ -63,7 +63,7 @@ std::vector<float> fiv_radii(const FivOccluder& occluder, const CubeMap& environ
         squares += area * second * second;
       }
     }
-    if (outside > least_outside * whole) first = k;
+    if (outside > least_outside * whole) first = k - 1;
     const double r = double(pilot[std::size_t(k)]);
     const double receivers = std::min(r, double(reach));
     density[std::size_t(k)] = std::sqrt(std::sqrt(squares) * double(fiv_falloff(float(r))) * receivers);
