@@ -16,8 +16,11 @@ struct Light {
 int octant_of(const V3f& w) { return (w.x < 0 ? 1 : 0) | (w.y < 0 ? 2 : 0) | (w.z < 0 ? 4 : 0); }
 
 FivDirections sorted_by_octant(std::vector<Light> lights) {
-  std::stable_sort(lights.begin(), lights.end(),
-                   [](const Light& a, const Light& b) { return octant_of(a.w) < octant_of(b.w); });
+  std::stable_sort(lights.begin(), lights.end(), [](const Light& a, const Light& b) {
+    const int octant_a = octant_of(a.w);
+    const int octant_b = octant_of(b.w);
+    return octant_a != octant_b ? octant_a < octant_b : max_component(a.power) > max_component(b.power);
+  });
   FivDirections out;
   for (const Light& light : lights) {
     out.w.push_back(light.w);

@@ -10,7 +10,7 @@
 namespace ivory {
 
 struct FivDirections {
-  std::vector<V3f> w;                         // unit, towards the light; sorted by octant
+  std::vector<V3f> w;                         // unit, towards the light; sorted by octant, then from bright to dim
   std::vector<Rgb> power;                     // L dw, lux facing it
   std::array<std::size_t, 9> octant_begin{};  // directions of octant o are [octant_begin[o], octant_begin[o + 1])
 };

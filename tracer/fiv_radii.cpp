@@ -14,7 +14,7 @@ constexpr V3i::BaseType pilot_azimuths = 32;
 constexpr V3i::BaseType pilot_polars = 17;
 constexpr int pilot_spheres = 96;
 constexpr int pilot_environment = 16;
-constexpr int pilot_pixels = 96;
+constexpr int pilot_pixels = 64;
 // Surfaces have more receivers farther out, in proportion to the square of distance, as far as shadows matter.
 constexpr float reach = 2;
 // The first sphere lies outside the mesh for at least this share of its area.
