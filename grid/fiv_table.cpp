@@ -96,7 +96,10 @@ Rgb hidden_irradiance(const FivTable& table, const FivMoments& hidden, const V3f
 }
 
 Rgb self_shadowed_irradiance(const FivTable& table, const FivMoments& hidden, const V3f& n) {
-  return positive(dot(table.total.data(), n) - dot(hidden.data(), n));
+  if (table.hemispheres == 1) return positive(dot(table.total.data(), n) - dot(hidden.data(), n));
+  FivMoments visible;
+  for (std::size_t i = 0; i < visible.size(); ++i) visible[i] = table.total[i] - hidden[i];
+  return irradiance_bracket(visible.data(), n).lower;
 }
 
 }  // namespace ivory

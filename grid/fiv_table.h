@@ -70,8 +70,9 @@ enum class Straddling {
 // (section 4.3.1, cases A and C), between the two by `straddling`. Never negative.
 Rgb hidden_irradiance(const FivTable& table, const FivMoments& hidden, const V3f& n, float d, Straddling straddling);
 
-// Irradiance that the occluder leaves to a point of its own surface: n.(FIV_tot - FIV) (eq. 12; all light
-// that is left comes from above the surface). Never negative.
+// Irradiance that the occluder leaves to a point of its own surface. One hemisphere: n.(FIV_tot - FIV) (eq. 12), as all
+// light that is left comes from above the surface. That of neighbouring samples need not, and counts as negative; six
+// hemispheres are read by the lower bound of irradiance_bracket(), which leaves it out. Never negative.
 Rgb self_shadowed_irradiance(const FivTable& table, const FivMoments& hidden, const V3f& n);
 
 }  // namespace ivory

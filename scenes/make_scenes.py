@@ -220,6 +220,47 @@ def detail(folder, name, along, around, relief):
     gltf.save(folder / f"{name}.glb")
 
 
+def plaza(folder):
+    """A floor under the open sky, for objects that move on it."""
+    floor = Piece()
+    floor.positions = [(-4.0, 0.0, -4.0), (-4.0, 0.0, 4.0), (4.0, 0.0, 4.0), (4.0, 0.0, -4.0)]
+    floor.triangles = [(0, 1, 2), (0, 2, 3)]
+    gltf = Gltf()
+    gltf.node("floor", mesh=gltf.mesh("floor", {"stone": floor}, {"stone": gltf.material("stone", (0.6, 0.58, 0.55))}))
+    gltf.camera("visitor", (1.2, 2.6, 5.2), (0.0, 0.35, 0.0), 0.75)
+    gltf.save(folder / "plaza.gltf")
+
+
+def knot(folder):
+    """The embossed torus knot alone, standing on the ground."""
+    gltf = Gltf()
+    pieces = {"clay": shapes.torus_knot(200, 24, True)}
+    gltf.node("knot", mesh=gltf.mesh("knot", pieces, {"clay": gltf.material("clay", (0.7, 0.55, 0.45))}, quantize_scale=1.0),
+              translation=[0.0, 0.45, 0.0])
+    gltf.save(folder / "knot.glb")
+
+
+def sky(folder):
+    """Lat-long map, 128 x 64: blue above, a low warm sun of 6 degrees radius, grey ground. Radiance in nits as RGBE."""
+    width, height = 128, 64
+    sun = (-0.62, 0.6, 0.5)
+    sun = [x / math.sqrt(sum(y * y for y in sun)) for x in sun]
+    data = bytearray()
+    for row in range(height):
+        theta = math.pi * (row + 0.5) / height
+        for column in range(width):
+            phi = 2 * math.pi * ((column + 0.5) / width - 0.5)
+            w = (-math.sin(theta) * math.sin(phi), math.cos(theta), math.sin(theta) * math.cos(phi))
+            up = max(w[1], 0.0)
+            color = [a + (b - a) * up for a, b in zip((0.9, 0.95, 1.0), (0.3, 0.45, 0.8))] if w[1] > 0 else [0.2, 0.18, 0.16]
+            angle = math.degrees(math.acos(min(1.0, sum(a * b for a, b in zip(w, sun)))))
+            share = min(1.0, max(0.0, (7.0 - angle) / 2.0))
+            color = [c + share * s for c, s in zip(color, (70.0, 60.0, 45.0))]
+            exponent = math.frexp(max(color))[1]
+            data += bytes(int(c * 2.0 ** (8 - exponent)) for c in color) + bytes([exponent + 128])
+    (folder / "sky.hdr").write_bytes(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n" % (height, width) + bytes(data))
+
+
 def main(arguments):
     if len(arguments) > 2 or (len(arguments) == 2 and arguments[1].startswith("-")):
         sys.exit(__doc__)
@@ -236,6 +277,9 @@ def main(arguments):
     furnace_box(folder)
     detail(folder, "detail_low", 100, 15, relief=False)
     detail(folder, "detail_high", 500, 50, relief=True)
+    plaza(folder)
+    knot(folder)
+    sky(folder)
 
 
 if __name__ == "__main__":
