@@ -77,17 +77,22 @@ Metadata describe(const RenderOptions& options, const RenderMethod& method, cons
   return m;
 }
 
-// Scripts run one line with several methods, so options of another method are no error; but said.
-void note_ignored(const CLI::App& command, const RenderOptions& options, const std::vector<RenderMethod>& methods,
-                  const CommonOptions& common) {
+// "direct, gather" for "--grid".
+std::map<std::string, std::string> readers_of_options(const std::vector<RenderMethod>& methods) {
   std::map<std::string, std::string> readers;
-  const RenderMethod* chosen = nullptr;
   for (const RenderMethod& method : methods) {
     for (const std::string& option : method.options)
       readers[option] += (readers[option].empty() ? "" : ", ") + method.name;
-    if (method.name == options.method) chosen = &method;
   }
-  for (const auto& [option, names] : readers) {
+  return readers;
+}
+
+// Scripts run one line with several methods, so options of another method are no error; but said.
+void note_ignored(const CLI::App& command, const RenderOptions& options, const std::vector<RenderMethod>& methods,
+                  const CommonOptions& common) {
+  const auto chosen = std::find_if(methods.begin(), methods.end(),
+                                   [&](const RenderMethod& method) { return method.name == options.method; });
+  for (const auto& [option, names] : readers_of_options(methods)) {
     const bool read = std::find(chosen->options.begin(), chosen->options.end(), option) != chosen->options.end();
     if (!read && command.get_option(option)->count() > 0)
       print_note(common, fmt::format("note: {} is ignored, it serves --method {}", option, names));
@@ -159,7 +164,7 @@ int int_count(const char* option, std::uint64_t count, std::uint64_t least) {
 }
 
 void add_render_command(CLI::App& app, CommonOptions& common) {
-  auto* command = app.add_subcommand("render", "Render a picture: path-traced, from a grid, or by final gather");
+  auto* command = app.add_subcommand("render", "Render a picture by path tracing or from baked assets");
   auto options = std::make_shared<RenderOptions>();
   command->add_option("scene", options->scene, "Scene: .gltf or .glb, metres, +Y up")->required()->type_name("SCENE");
   command
@@ -214,9 +219,11 @@ void add_render_command(CLI::App& app, CommonOptions& common) {
   std::string summary;
   for (const RenderMethod& method : *methods) {
     names.push_back(method.name);
-    summary += (summary.empty() ? "" : "; ") + method.name + ": " + method.summary;
+    summary += (summary.empty() ? "" : "\n") + method.name + ": " + method.summary;
   }
   method_option->description(summary)->check(CLI::IsMember(names));
+  for (const auto& [option, readers] : readers_of_options(*methods))
+    command->get_option(option)->group("For --method " + readers);
   command->footer(
       "The same command gives the same bytes with any --threads.\n"
       "Examples:\n"

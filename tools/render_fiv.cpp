@@ -111,21 +111,21 @@ RenderMethod make_fiv_method(CLI::App& command) {
   command
       .add_option("--occluder", options->occluders,
                   "FIV table of the scene's or an object's node of that name, wherever it stands; may be repeated;\n"
-                  "nodes with extras.ivory_occluder need none (fiv)")
+                  "nodes with extras.ivory_occluder need none")
       ->allow_extra_args(false)
       ->type_name("NODE=TABLE.exr");
   command
       .add_option("--ambient", options->ambient,
-                  "Unshadowed irradiance of --env, by ivory bake difmap or sh9 [found at start] (fiv)")
+                  "Unshadowed irradiance of --env, by ivory bake difmap or sh9 [found at start]")
       ->type_name("DIFMAP.exr|SH9.json");
   command
       .add_option("--overlap", options->overlap,
-                  "How light that several occluders hide is counted once: discs is the published rule (fiv)")
+                  "How light that several occluders hide is counted once: discs is the published rule")
       ->check(CLI::IsMember({"covers", "discs", "product", "none"}))
       ->capture_default_str();
   command
       .add_option("--straddling", options->straddling,
-                  "Occluders that reach below a receiver's plane: bound, or the published scale (fiv)")
+                  "Occluders that reach below a receiver's plane: bound, or the published scale")
       ->check(CLI::IsMember({"bound", "scale"}))
       ->capture_default_str();
   RenderMethod method;

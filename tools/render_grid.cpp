@@ -52,7 +52,7 @@ RenderMethod make_method(const std::shared_ptr<GatherOptions>& options, bool gat
 std::vector<RenderMethod> make_grid_methods(CLI::App& command, const std::shared_ptr<GridInputOptions>& grid) {
   auto options = std::make_shared<GatherOptions>();
   options->grid = grid;
-  add_count_option(command, "--gather", options->gather, "Rays a sample (gather)");
+  add_count_option(command, "--gather", options->gather, "Rays a sample");
   return {make_method(options, false), make_method(options, true)};
 }
 

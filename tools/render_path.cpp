@@ -11,7 +11,7 @@ namespace ivory {
 RenderMethod make_path_method(CLI::App& command) {
   auto max_bounces = std::make_shared<std::uint64_t>(PathParams{}.max_bounces);
   add_count_option(command, "--max-bounces", *max_bounces,
-                   "Surfaces that light may scatter at (path); Russian roulette ends most paths before");
+                   "Surfaces that light may scatter at; Russian roulette ends most paths before");
   RenderMethod method;
   method.name = "path";
   method.summary = "reference path tracer";
