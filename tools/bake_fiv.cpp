@@ -69,7 +69,7 @@ void run_bake_fiv(const BakeFivOptions& options, const CommonOptions& common) {
   const CubeMap cube = fine_cube(to_latlong(std::move(environment.image)), params.environment_size);
 
   Progress progress(common, "baking", "directions");
-  params.progress = [&](double fraction) { progress.update(std::uint64_t(fraction * 1e6), 1'000'000); };
+  params.progress = progress.callback();
   const auto start = std::chrono::steady_clock::now();
   FivTable table = bake_fiv(occluder, cube, params);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

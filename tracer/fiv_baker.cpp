@@ -36,7 +36,7 @@ FivTable bake_fiv(const FivOccluder& occluder, const CubeMap& environment, const
   if (params.fit) split = split_bright(all, bright_parts);
   const auto progress_from = [&](std::size_t before) {
     return [&params, &all, before](std::size_t done) {
-      if (params.progress) params.progress(double(before + done) / double(all.w.size()));
+      if (params.progress) params.progress(before + done, all.w.size());
     };
   };
   const std::vector<V3f> positions = fiv_sample_positions(table.size, table.radii);

@@ -20,7 +20,7 @@ struct FivParams {
   int silhouette_pixels = 128;  // along a side of the pictures that tell which positions are dark
   bool fit = true;              // least-squares values (tracer/fiv_fit.h); otherwise those at the samples themselves
   bool fill_inside = true;      // see bake_fiv()
-  std::function<void(double)> progress;  // called now and then with the fraction done
+  std::function<void(std::size_t, std::size_t)> progress;  // called now and then: directions done, of all
 };
 
 // The table of `occluder` under `environment`. Samples that stand inside the mesh take the mean of their neighbours
