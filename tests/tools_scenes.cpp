@@ -239,7 +239,7 @@ TEST(BundledScenes, AreWhatTheScriptWrites) {
   int kept = 0;
   for (const auto& entry : fs::directory_iterator(scenes_folder)) {
     const fs::path suffix = entry.path().extension();
-    if (suffix == ".gltf" || suffix == ".glb" || suffix == ".csv") {
+    if (suffix == ".gltf" || suffix == ".glb" || suffix == ".csv" || suffix == ".hdr") {
       ++kept;
       EXPECT_LT(entry.file_size(), 1U << 20U) << entry.path();
     }
