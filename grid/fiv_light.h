@@ -18,7 +18,8 @@ struct FivPlacement {
 enum class FivOverlap {
   none,     // each hides its own: too dark where shadows meet
   discs,    // the paper's eq. 13 and 14: overlapping bounding discs, pair by pair
-  covers,   // each hides what the ones before left open: of its disc for spread light, of all for gathered light
+  covers,   // each hides what the ones before left open: by common discs for spread light, by the mean directions of
+            // what they hide for gathered light
   product,  // visible shares multiply, whatever the directions
 };
 

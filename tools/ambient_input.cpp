@@ -11,17 +11,6 @@
 
 namespace ivory {
 
-namespace {
-
-void check_environment(const std::string& path, const Metadata& metadata, const SceneInput& input) {
-  const auto baked = metadata.find("environment_hash");
-  const auto given = input.origin.find("environment_hash");
-  if (baked == metadata.end() || given == input.origin.end() || baked->second != given->second)
-    throw Error(path, "was baked from another environment", "bake it from the one given by --env");
-}
-
-}  // namespace
-
 std::function<Rgb(const V3f&)> load_ambient(const std::string& path, const SceneInput& input,
                                             const CommonOptions& common) {
   if (path.empty()) {

@@ -153,8 +153,8 @@ void add_bake_fiv_command(CLI::App& bake, CommonOptions& common) {
       ->capture_default_str();
   command
       ->add_option("--silhouette", options->params.silhouette_pixels,
-                   "Pixels across the bounding sphere by which the mesh's outline is known; four times as many for\n"
-                   "the brightest parts")
+                   "Pixels across the bounding sphere by which the mesh's outline is known; half as many for\n"
+                   "dim parts of the environment, four times as many for the brightest")
       ->check(CLI::Range(8, 1024))
       ->capture_default_str();
   command->footer(

@@ -57,17 +57,6 @@ std::map<int, std::string> tables_of_nodes(const FivOptions& options, const Scen
   return tables;
 }
 
-// One file's light must be the picture's: a table is worth nothing in another.
-void check_environment(const std::string& path, const FivTable& table, const SceneInput& input) {
-  const auto baked = table.metadata.find("environment_hash");
-  if (baked == table.metadata.end() || baked->second != input.origin.at("environment_hash")) {
-    const auto name = table.metadata.find("environment");
-    const auto* text = name == table.metadata.end() ? nullptr : std::get_if<std::string>(&name->second);
-    throw Error(path, fmt::format("was baked for another environment ({})", text == nullptr ? "unknown" : *text),
-                fmt::format("bake it with --env {}", std::get<std::string>(input.origin.at("environment"))));
-  }
-}
-
 Film render(const FivOptions& options, const RenderRequest& request) {
   const SceneInput& input = request.input;
   const Scene& scene = input.scene;
@@ -76,7 +65,10 @@ Film render(const FivOptions& options, const RenderRequest& request) {
   FivScene fiv;
   fiv.occluder_of.assign(scene.instances.size(), -1);
   for (const auto& [node, path] : table_of_node) {
-    if (!tables.contains(path)) check_environment(path, tables[path] = read_fiv(path), input);
+    if (!tables.contains(path)) {
+      tables[path] = read_fiv(path);
+      check_environment(path, tables[path].metadata, input);
+    }
     const std::vector<bool> part = instances_below(scene, node);
     const std::optional<FivPlacement> placement = find_placement(tables[path], scene, part);
     if (!placement)

@@ -4,6 +4,7 @@
 #include <cctype>
 #include <filesystem>
 
+#include "grid/error.h"
 #include "tracer/gltf_loader.h"
 
 namespace ivory {
@@ -13,6 +14,16 @@ bool is_scene_name(const std::string& path) {
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return extension == ".gltf" || extension == ".glb";
+}
+
+void check_environment(const std::string& path, const Metadata& metadata, const SceneInput& input) {
+  const auto baked = metadata.find("environment_hash");
+  const auto given = input.origin.find("environment_hash");
+  if (baked != metadata.end() && given != input.origin.end() && baked->second == given->second) return;
+  const auto name = metadata.find("environment");
+  const auto* text = name == metadata.end() ? nullptr : std::get_if<std::string>(&name->second);
+  throw Error(path, "was baked for another environment (" + (text == nullptr ? "unknown" : *text) + ")",
+              "bake it for the one given by --env");
 }
 
 std::unique_ptr<SceneInput> load_scene_input(const std::string& path, const EnvironmentChoice& environment,

@@ -28,6 +28,9 @@ struct SceneInput {
 // True for the names that load as scenes: .gltf and .glb, in any case.
 bool is_scene_name(const std::string& path);
 
+// Throws Error where `path`, an asset with that metadata, was baked for another environment than `input` has.
+void check_environment(const std::string& path, const Metadata& metadata, const SceneInput& input);
+
 // Loads `path` and, unless its path is empty, the environment map, resampled to lat-long where it has another
 // layout; prints the loader's warnings as notes. `extend`, unless empty, may add to the scene before the rest is
 // built from it. Throws Error as load_gltf() and load_environment() do.

@@ -33,7 +33,9 @@ FivTable bake_fiv(const FivOccluder& occluder, const CubeMap& environment, const
   const FivDirections all = make_fiv_directions(environment, params.environment_size, params.parts);
   table.total = total_moments(all);
   SplitDirections split{{}, all};
+  // Coverage and the inside of the mesh are told by the dim lights: where all are bright, none is.
   if (params.fit) split = split_bright(all, bright_parts);
+  if (split.rest.w.empty()) split = {{}, all};
   const auto progress_from = [&](std::size_t before) {
     return [&params, &all, before](std::size_t done) {
       if (params.progress) params.progress(before + done, all.w.size());

@@ -61,10 +61,10 @@ void gather_batch(const ShadowCylinders& cylinders, const std::vector<V3f>& w, c
   const int resolution = cylinders.resolution;
   const float scale = 0.5F * float(resolution);
   const std::size_t pixels = std::size_t(resolution) * std::size_t(resolution);
-  for (std::size_t k = 0; k < cylinders.w.size(); ++k) {
-    const V3f& direction = cylinders.w[k];
-    const V3f& right = cylinders.right[k];
-    const V3f& up = cylinders.up[k];
+  for (std::size_t k = 0; k < cylinders.frames.size(); ++k) {
+    const V3f& direction = cylinders.frames[k].z;
+    const V3f& right = cylinders.frames[k].x;
+    const V3f& up = cylinders.frames[k].y;
     alignas(32) std::array<float, lanes> column;
     alignas(32) std::array<float, lanes> row;
     alignas(32) std::array<float, lanes> height;

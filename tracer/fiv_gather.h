@@ -20,8 +20,8 @@ struct FivSums {
 };
 
 // `object` must lie within the unit sphere. Which positions are dark in the light of a direction is told by pictures
-// of silhouette_pixels^2 (tracer/shadow_cylinders.h). Results do not depend on threads. `progress` is called with the
-// directions done so far.
+// of silhouette_pixels^2 (tracer/shadow_cylinders.h), down to half as many a side for lights below the mean. Results do
+// not depend on threads. `progress` is called with the directions done so far.
 FivSums gather_fiv(const Intersector& object, const FivDirections& directions, const std::vector<V3f>& positions,
                    int hemispheres, int silhouette_pixels, const std::function<void(std::size_t)>& progress);
 

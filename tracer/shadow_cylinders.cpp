@@ -8,15 +8,6 @@ namespace ivory {
 
 namespace {
 
-// Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
-void make_axes(const V3f& w, V3f& right, V3f& up) {
-  const float sign = std::copysign(1.0F, w.z);
-  const float a = -1 / (sign + w.z);
-  const float b = w.x * w.y * a;
-  right = {1 + sign * w.x * w.x * a, sign * b, -sign * w.x};
-  up = {b, sign + w.y * w.y * a, -w.y};
-}
-
 constexpr float start_height = 2;  // rays start beyond the unit sphere
 
 }  // namespace
@@ -24,14 +15,12 @@ constexpr float start_height = 2;  // rays start beyond the unit sphere
 ShadowCylinders trace_shadow_cylinders(const Intersector& object, std::span<const V3f> w, int resolution) {
   ShadowCylinders out;
   out.resolution = resolution;
-  out.w.assign(w.begin(), w.end());
-  out.right.resize(w.size());
-  out.up.resize(w.size());
+  out.frames.resize(w.size());
   const std::size_t pixels = std::size_t(resolution) * std::size_t(resolution);
   out.depth.assign(w.size() * pixels, ShadowCylinders::no_depth);
   const float pixel = 2.0F / float(resolution);
   tbb::parallel_for(std::size_t(0), w.size(), [&](std::size_t k) {
-    make_axes(w[k], out.right[k], out.up[k]);
+    const Frame frame = out.frames[k] = make_frame(w[k]);
     float* depth = out.depth.data() + k * pixels;
     for (int row = 0; row < resolution; ++row) {
       const float v = (float(row) + 0.5F) * pixel - 1;
@@ -39,13 +28,13 @@ ShadowCylinders trace_shadow_cylinders(const Intersector& object, std::span<cons
       const float half_chord = std::sqrt(std::max(0.0F, 1 - v * v));
       const int begin = std::max(0, int((1 - half_chord) / pixel - 0.5F));
       const int end = std::min(resolution, int((1 + half_chord) / pixel + 0.5F) + 1);
-      const V3f row_origin = out.w[k] * start_height + out.up[k] * v;
+      const V3f row_origin = frame.z * start_height + frame.y * v;
       for (int first = begin; first < end; first += 8) {
         const int count = std::min(8, end - first);
         std::array<V3f, 8> origins;
         for (int i = 0; i < count; ++i)
-          origins[std::size_t(i)] = row_origin + out.right[k] * ((float(first + i) + 0.5F) * pixel - 1);
-        const std::array<float, 8> t = object.distances(origins, count, -out.w[k]);
+          origins[std::size_t(i)] = row_origin + frame.x * ((float(first + i) + 0.5F) * pixel - 1);
+        const std::array<float, 8> t = object.distances(origins, count, -frame.z);
         for (int i = 0; i < count; ++i) {
           if (std::isfinite(t[std::size_t(i)]))
             depth[std::size_t(row) * std::size_t(resolution) + std::size_t(first + i)] =

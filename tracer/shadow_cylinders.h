@@ -10,16 +10,15 @@
 #include <vector>
 
 #include "tracer/intersector.h"
+#include "tracer/sampling.h"
 
 namespace ivory {
 
 // The pictures of a run of directions.
 struct ShadowCylinders {
-  int resolution = 0;      // pixels along a side of the square [-1, 1]^2 about the origin
-  std::vector<V3f> w;      // unit, towards the light
-  std::vector<V3f> right;  // unit, the pictures' axes; w, right and up are orthonormal
-  std::vector<V3f> up;
-  std::vector<float> depth;  // w x rows x columns: largest q.w on the object, no_depth beside it
+  int resolution = 0;         // pixels along a side of the square [-1, 1]^2 about the origin
+  std::vector<Frame> frames;  // z towards the light, x and y along the picture's columns and rows
+  std::vector<float> depth;   // w x rows x columns: largest q.w on the object, no_depth beside it
   static constexpr float no_depth = -std::numeric_limits<float>::infinity();
 };
 
