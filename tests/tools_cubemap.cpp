@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/command_test.h"
 #include "tests/gltf_builder.h"
-#include "tests/run_ivory.h"
 
 namespace ivory {
 namespace {
@@ -18,38 +18,9 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-class CubemapCommand : public testing::Test {
+class CubemapCommand : public CommandTest {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(IVORY_TEST_DATA_DIR) /
-              (std::string("cubemap_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  static std::string scene(const std::string& name) { return std::string(IVORY_SOURCE_DIR) + "/scenes/" + name; }
-
-  Json run(const std::string& arguments) const {
-    const RunResult result = run_ivory(arguments + " --json", false);
-    EXPECT_EQ(result.exit_code, 0) << arguments << "\n" << run_ivory(arguments).output;
-    return Json::parse(result.output, nullptr, false);
-  }
-  void expect_one_line(const std::string& arguments, int exit_code, const std::string& text) const {
-    const RunResult result = run_ivory(arguments);
-    EXPECT_EQ(result.exit_code, exit_code) << arguments << "\n" << result.output;
-    EXPECT_EQ(std::count(result.output.begin(), result.output.end(), '\n'), 1) << arguments << "\n" << result.output;
-    EXPECT_NE(result.output.find(text), std::string::npos) << arguments << "\n" << result.output;
-  }
-
-  fs::path folder_;
 };
-
-std::string bytes_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream bytes;
-  bytes << file.rdbuf();
-  return bytes.str();
-}
 
 // A tetrahedron with its corners 0.2 m and more from the origin, fronts outward, white.
 std::string write_object(const std::string& name) {

@@ -9,8 +9,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/command_test.h"
 #include "tests/gltf_builder.h"
-#include "tests/run_ivory.h"
 
 namespace ivory {
 namespace {
@@ -18,18 +18,14 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-class FivCommand : public testing::Test {
+class FivCommand : public CommandTest {
  protected:
   void SetUp() override {
-    folder_ = fs::path(IVORY_TEST_DATA_DIR) /
-              (std::string("fiv_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+    CommandTest::SetUp();
     write_mesh("thing.glb", "thing", thing());
     write_environment("sky.hdr", 3);
     write_environment("other.hdr", 1);
   }
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
   // A wedge without symmetry, fronts outward.
   static std::vector<V3f> thing() {
@@ -70,30 +66,10 @@ class FivCommand : public testing::Test {
     }
   }
 
-  Json run(const std::string& arguments) const {
-    const RunResult result = run_ivory(arguments + " --json", false);
-    EXPECT_EQ(result.exit_code, 0) << arguments << "\n" << run_ivory(arguments).output;
-    return Json::parse(result.output, nullptr, false);
-  }
-  void expect_one_line(const std::string& arguments, int exit_code, const std::string& text) const {
-    const RunResult result = run_ivory(arguments);
-    EXPECT_EQ(result.exit_code, exit_code) << arguments << "\n" << result.output;
-    EXPECT_EQ(std::count(result.output.begin(), result.output.end(), '\n'), 1) << arguments << "\n" << result.output;
-    EXPECT_NE(result.output.find(text), std::string::npos) << arguments << "\n" << result.output;
-  }
   std::string bake(const std::string& mesh, const std::string& out, const std::string& more = {}) const {
     return "bake fiv " + path(mesh) + " --env " + path("sky.hdr") + " -o " + path(out) + " --samples 48,25,16 " + more;
   }
-
-  fs::path folder_;
 };
-
-std::string bytes_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream bytes;
-  bytes << file.rdbuf();
-  return bytes.str();
-}
 
 TEST_F(FivCommand, StoresNineChannelsAndSaysHowItWasMade) {
   const Json baked = run(bake("thing.glb", "a.exr"));

@@ -8,22 +8,16 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/command_test.h"
 #include "tests/gltf_builder.h"
-#include "tests/run_ivory.h"
 
 namespace ivory {
 namespace {
 
 namespace fs = std::filesystem;
 
-class LobesCommand : public testing::Test {
+class LobesCommand : public CommandTest {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(IVORY_TEST_DATA_DIR) / testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
   static nlohmann::json result_of(const std::string& arguments) {
     const RunResult run = run_ivory(arguments + " --json --quiet", false);
     EXPECT_EQ(run.exit_code, 0) << arguments;
@@ -66,16 +60,7 @@ class LobesCommand : public testing::Test {
                                                          2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6})}})}});
     return b.write("lobes_box");
   }
-
-  fs::path folder_;
 };
-
-std::string bytes_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream bytes;
-  bytes << file.rdbuf();
-  return bytes.str();
-}
 
 const std::string light = " --sphere-light 0.6,2.6,0.4,0.35,10,10,10 ";
 

@@ -8,32 +8,14 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "tests/run_ivory.h"
+#include "tests/command_test.h"
 
 namespace ivory {
 namespace {
 
 namespace fs = std::filesystem;
 
-class RenderCommand : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = fs::path(IVORY_TEST_DATA_DIR) / testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  static std::string scene(const std::string& name) { return std::string(IVORY_SOURCE_DIR) + "/scenes/" + name; }
-
-  fs::path folder_;
-};
-
-std::string bytes_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream bytes;
-  bytes << file.rdbuf();
-  return bytes.str();
-}
+class RenderCommand : public CommandTest {};
 
 int line_count(const std::string& text) { return int(std::count(text.begin(), text.end(), '\n')); }
 
