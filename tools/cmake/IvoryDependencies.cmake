@@ -14,6 +14,8 @@ find_package(meshoptimizer CONFIG REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(draco REQUIRED IMPORTED_TARGET draco)
+pkg_check_modules(epoxy REQUIRED IMPORTED_TARGET epoxy)
+pkg_check_modules(egl REQUIRED IMPORTED_TARGET egl)
 
 set(OpenVDB_FIND_QUIETLY ON)
 find_package(OpenVDB REQUIRED)
