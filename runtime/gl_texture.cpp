@@ -1,0 +1,155 @@
+#include <cassert>
+
+#include <fmt/format.h>
+#include <half.h>
+
+#include "grid/error.h"
+#include "runtime/gl_check.h"
+
+namespace ivory::gl {
+
+namespace {
+
+struct Layout {
+  GLenum internal_format;
+  GLenum format;  // of what is handed over
+  GLenum type;
+  std::size_t bytes;  // a stored texel
+};
+
+Layout layout(Format format) {
+  switch (format) {
+    case Format::r8:
+      return {GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1};
+    case Format::r16f:
+      return {GL_R16F, GL_RED, GL_FLOAT, 2};
+    case Format::r32f:
+      return {GL_R32F, GL_RED, GL_FLOAT, 4};
+    case Format::rg16f:
+      return {GL_RG16F, GL_RG, GL_FLOAT, 4};
+    case Format::rgb16f:
+      return {GL_RGB16F, GL_RGB, GL_FLOAT, 6};
+    case Format::rgb32f:
+      return {GL_RGB32F, GL_RGB, GL_FLOAT, 12};
+    case Format::rgba8:
+      return {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, 4};
+    case Format::srgb8_alpha8:
+      return {GL_SRGB8_ALPHA8, GL_RGBA, GL_UNSIGNED_BYTE, 4};
+    case Format::rgba16f:
+      return {GL_RGBA16F, GL_RGBA, GL_FLOAT, 8};
+    case Format::rgba32f:
+      return {GL_RGBA32F, GL_RGBA, GL_FLOAT, 16};
+    case Format::rgba32ui:
+      return {GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, 16};
+    case Format::depth24:
+      return {GL_DEPTH_COMPONENT24, GL_DEPTH_COMPONENT, GL_FLOAT, 4};
+  }
+  assert(false);
+  return {};
+}
+
+void require_size(const std::string& what, GLenum limit_name, int largest) {
+  GLint limit = 0;
+  IVORY_GL(glGetIntegerv, limit_name, &limit);
+  if (largest > limit) {
+    throw Error(what, fmt::format("needs a texture of {} texels a side, and this OpenGL takes {}", largest, limit),
+                "bake it coarser");
+  }
+}
+
+// glGetError() after an upload tells of memory that ran out, in the asset's name.
+void check_memory(const std::string& what, const char* call, std::size_t bytes) {
+  const GLenum error = glGetError();
+  if (error == GL_NO_ERROR) return;
+  if (error == GL_OUT_OF_MEMORY) {
+    throw Error(what, fmt::format("{} found no memory for its {} MiB", call, bytes >> 20U),
+                "bake it coarser, or free other textures");
+  }
+  throw Error(what, fmt::format("{} failed with OpenGL error 0x{:x}", call, error), "check the context");
+}
+
+Texture begin(Format format, GLenum target, const V3i& size) {
+  Texture texture;
+  texture.object = make<Kind::texture>();
+  texture.target = target;
+  texture.format = format;
+  texture.size = size;
+  IVORY_GL(glBindTexture, target, texture.object.id());
+  // Rows are handed over without gaps, from memory.
+  IVORY_GL(glBindBuffer, GL_PIXEL_UNPACK_BUFFER, 0);
+  IVORY_GL(glPixelStorei, GL_UNPACK_ALIGNMENT, 1);
+  IVORY_GL(glPixelStorei, GL_UNPACK_ROW_LENGTH, 0);
+  IVORY_GL(glPixelStorei, GL_UNPACK_IMAGE_HEIGHT, 0);
+  return texture;
+}
+
+void set_sampling(const Texture& texture, Filter filter, Wrap wrap) {
+  const GLint magnify = filter == Filter::nearest ? GL_NEAREST : GL_LINEAR;
+  const GLint minify = filter == Filter::linear_mipmap ? GL_LINEAR_MIPMAP_LINEAR : magnify;
+  const GLint edge = wrap == Wrap::clamp ? GL_CLAMP_TO_EDGE : wrap == Wrap::repeat ? GL_REPEAT : GL_MIRRORED_REPEAT;
+  IVORY_GL(glTexParameteri, texture.target, GL_TEXTURE_MAG_FILTER, magnify);
+  IVORY_GL(glTexParameteri, texture.target, GL_TEXTURE_MIN_FILTER, minify);
+  for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
+    IVORY_GL(glTexParameteri, texture.target, axis, edge);
+  if (filter == Filter::linear_mipmap)
+    IVORY_GL(glGenerateMipmap, texture.target);
+  else
+    IVORY_GL(glTexParameteri, texture.target, GL_TEXTURE_MAX_LEVEL, 0);
+}
+
+}  // namespace
+
+std::size_t texel_bytes(Format format) { return layout(format).bytes; }
+
+std::size_t Texture::bytes() const {
+  const std::size_t faces = target == GL_TEXTURE_CUBE_MAP ? 6 : 1;
+  return texel_bytes(format) * faces * std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z);
+}
+
+Texture make_texture_2d(const std::string& what, Format format, int width, int height, const void* texels,
+                        Filter filter, Wrap wrap) {
+  require_size(what, GL_MAX_TEXTURE_SIZE, std::max(width, height));
+  Texture texture = begin(format, GL_TEXTURE_2D, {width, height, 1});
+  const Layout l = layout(format);
+  glTexImage2D(texture.target, 0, GLint(l.internal_format), width, height, 0, l.format, l.type, texels);
+  check_memory(what, "glTexImage2D", texture.bytes());
+  set_sampling(texture, filter, wrap);
+  return texture;
+}
+
+Texture make_texture_3d(const std::string& what, Format format, const V3i& size, const void* texels, Filter filter) {
+  require_size(what, GL_MAX_3D_TEXTURE_SIZE, std::max({size.x, size.y, size.z}));
+  Texture texture = begin(format, GL_TEXTURE_3D, size);
+  const Layout l = layout(format);
+  glTexImage3D(texture.target, 0, GLint(l.internal_format), size.x, size.y, size.z, 0, l.format, l.type, texels);
+  check_memory(what, "glTexImage3D", texture.bytes());
+  set_sampling(texture, filter, Wrap::clamp);
+  return texture;
+}
+
+Texture make_texture_cube(const std::string& what, Format format, int size, const void* texels, Filter filter) {
+  require_size(what, GL_MAX_CUBE_MAP_TEXTURE_SIZE, size);
+  Texture texture = begin(format, GL_TEXTURE_CUBE_MAP, {size, size, 1});
+  const Layout l = layout(format);
+  // What is handed over has 4-byte floats where the texture may have halves.
+  const std::size_t channels = l.format == GL_RED ? 1 : l.format == GL_RG ? 2 : l.format == GL_RGB ? 3 : 4;
+  const std::size_t face_bytes =
+      (l.type == GL_UNSIGNED_BYTE ? 1 : 4) * channels * std::size_t(size) * std::size_t(size);
+  for (unsigned face = 0; face < 6; ++face) {
+    const auto* from = static_cast<const std::byte*>(texels);
+    glTexImage2D(GL_TEXTURE_CUBE_MAP_POSITIVE_X + face, 0, GLint(l.internal_format), size, size, 0, l.format, l.type,
+                 from == nullptr ? nullptr : from + face * face_bytes);
+    check_memory(what, "glTexImage2D", texture.bytes());
+  }
+  set_sampling(texture, filter, Wrap::clamp);
+  return texture;
+}
+
+float rounded_to_half(float x) { return half(x); }
+
+void bind(const Texture& texture, int unit) {
+  IVORY_GL(glActiveTexture, GLenum(GL_TEXTURE0 + unit));
+  IVORY_GL(glBindTexture, texture.target, texture.object.id());
+}
+
+}  // namespace ivory::gl

@@ -1,0 +1,21 @@
+// The GLSL of the folder shaders/, embedded in the library.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ivory {
+
+// GLSL 3.30 core of shaders/`name`, every #include "other.glsl" line replaced by that file, each file once. Has no
+// #version line: put it after your own. Throws Error for a name that is not there.
+std::string shader_source(std::string_view name);
+
+// `text` with its #include lines resolved likewise: a shader of your own that uses ivory's. Lines of `text` keep their
+// numbers in the compiler's messages (as string 0).
+std::string with_includes(std::string_view text);
+
+// All names, in alphabetical order.
+std::vector<std::string> shader_names();
+
+}  // namespace ivory
