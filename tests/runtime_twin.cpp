@@ -74,6 +74,7 @@ std::vector<V4f> evaluate_on_gpu(const std::string& source, const std::vector<st
   std::vector<V4f> result(std::size_t(width) * std::size_t(height));
   IVORY_GL(glReadPixels, 0, 0, width, height, GL_RGBA, GL_FLOAT, result.data());
   IVORY_GL(glBindFramebuffer, GL_FRAMEBUFFER, 0);
+  IVORY_GL(glUseProgram, 0);  // a program in use outlives its owner
   result.resize(count);
   return result;
 }
