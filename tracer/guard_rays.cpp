@@ -4,7 +4,7 @@
 #include <array>
 #include <cassert>
 
-#include "grid/guard.h"
+#include "grid/grid_lookup.h"
 
 namespace ivory {
 namespace {
@@ -44,38 +44,16 @@ std::uint64_t visible_by_rays(const IrradianceGrid& grid, const Intersector& int
 
 Footprint lookup_footprint(const IrradianceGrid& grid, const Intersector* intersector, Guard guard, const V3f& p,
                            const V3f& ng, const LookupParams& params) {
-  const V3f& spacing = grid.frame.spacing_m;
-  float nudge_m = params.nudge_voxels * std::min({spacing.x, spacing.y, spacing.z});
-  V3f origin = p;
-  if (guard == Guard::rays) {
-    assert(intersector != nullptr);
-    origin = offset_origin(p, ng, ng);
-    const auto ahead = intersector->closest({.origin = origin, .direction = ng, .t_max = 2 * nudge_m});
-    if (ahead) nudge_m = std::min(nudge_m, ahead->t / 2);
-  }
-  const V3f nudged = origin + ng * nudge_m;
-  const auto visible = [&](const Footprint& footprint) {
-    switch (guard) {
-      case Guard::rays:
-        return visible_by_rays(grid, *intersector, nudged, footprint);
-      case Guard::planes:
-        return visible_by_guard(grid, nudged, footprint);
-      case Guard::off:
-        break;
-    }
-    return ~std::uint64_t(0);
-  };
-  Footprint footprint = make_footprint(grid.frame, nudged, params.interpolation);
-  const float kept = restrict_footprint(grid, visible(footprint), footprint);
-  constexpr float enough = 0.25F;
-  if (guard == Guard::off || kept >= enough) return footprint;
-
-  if (params.interpolation == Interpolation::trilinear) {
-    Footprint wide = make_footprint(grid.frame, nudged, Interpolation::tricubic);
-    if (restrict_footprint(grid, visible(wide), wide) > 0) return blend(footprint, wide, kept / enough);
-  }
-  if (kept == 0) restrict_footprint(grid, least_hidden_by_guard(grid, nudged, footprint), footprint);
-  return footprint;
+  if (guard != Guard::rays) return lookup_footprint(grid, guard, p, ng, params);
+  assert(intersector != nullptr);
+  float distance_m = nudge_m(grid.frame, params);
+  const V3f origin = offset_origin(p, ng, ng);
+  const auto ahead = intersector->closest({.origin = origin, .direction = ng, .t_max = 2 * distance_m});
+  if (ahead) distance_m = std::min(distance_m, ahead->t / 2);
+  const V3f nudged = origin + ng * distance_m;
+  return guarded_footprint(grid, nudged, params.interpolation, [&](const Footprint& footprint) {
+    return visible_by_rays(grid, *intersector, nudged, footprint);
+  });
 }
 
 Rgb lookup_irradiance(const IrradianceGrid& grid, const Intersector* intersector, Guard guard, const V3f& p,
