@@ -1,7 +1,5 @@
 // ivory info: what a file holds and how it was made.
 #include <algorithm>
-#include <cctype>
-#include <filesystem>
 #include <memory>
 #include <sstream>
 
@@ -9,7 +7,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "grid/error.h"
 #include "grid/io_difmap.h"
 #include "grid/io_exr.h"
 #include "grid/io_image_info.h"
@@ -18,6 +15,7 @@
 #include "grid/io_vdb.h"
 #include "tools/commands.h"
 #include "tools/common.h"
+#include "tools/file_kind.h"
 #include "tools/scene_input.h"
 
 namespace ivory {
@@ -170,26 +168,32 @@ std::string text_of(const Json& value) {
 }
 
 void run_info(const std::string& path, const CommonOptions& common) {
-  if (!std::filesystem::exists(path)) throw Error(path, "does not exist", "check the name");
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   Json json{{"file", path}};
-  if (extension == ".vdb") {
-    json.update(vdb_json(path));
-  } else if (is_scene_name(path)) {
-    json.update(scene_json(path, common));
-  } else if (is_sphere_set(path)) {
-    json.update(spheres_json(path));
-  } else if (is_sh9_name(path)) {
-    json.update(sh9_json(path));
-  } else if (is_difmap(path)) {
-    json.update(difmap_json(path));
-  } else if (const std::string kind = exr_asset_kind(path); !kind.empty()) {
-    json.update(exr_asset_json(path, kind));
-  } else {
-    json["kind"] = "image";
-    json.update(json_of(read_image_info(path)));
+  switch (const FileKind kind = file_kind(path)) {
+    case FileKind::scene:
+      json.update(scene_json(path, common));
+      break;
+    case FileKind::grid:
+      json.update(vdb_json(path));
+      break;
+    case FileKind::sh9:
+      json.update(sh9_json(path));
+      break;
+    case FileKind::difmap:
+      json.update(difmap_json(path));
+      break;
+    case FileKind::spheres:
+      json.update(spheres_json(path));
+      break;
+    case FileKind::fiv:
+    case FileKind::cubemap:
+    case FileKind::lobes:
+      json.update(exr_asset_json(path, std::string(name(kind))));
+      break;
+    case FileKind::image:
+      json["kind"] = "image";
+      json.update(json_of(read_image_info(path)));
+      break;
   }
   std::string text;
   for (const auto& [key, value] : json.items()) {

@@ -1,0 +1,19 @@
+// What a file is, from its name and its first bytes: who drops it or passes it need not say.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace ivory {
+
+enum class FileKind { scene, grid, sh9, difmap, fiv, cubemap, lobes, spheres, image };
+
+// "scene", "grid", ...
+std::string_view name(FileKind kind);
+
+// .gltf and .glb are scenes, .vdb grids, .json sphere sets or SH9; OpenEXR files by ivory say what they are; all else
+// counts as an image. Throws Error where there is no such file, or it is an asset that ivory does not know. What the
+// kind's own reader finds wrong shows when it reads.
+FileKind file_kind(const std::string& path);
+
+}  // namespace ivory
