@@ -339,7 +339,8 @@ TEST(FinalGather, EvenSamplesAreUnbiased) {
     RenderParams render;
     render.samples = 8;
     render.seed = seed;
-    const Film film = render_gather(lit.intersector, lit.lights, light, view, render, params);
+    const Film film =
+        render_gather(lit.intersector, lit.lights, indirect_light(lit.intersector, light), view, render, params);
     double mean = 0;
     for (const Rgb& pixel : film.pixels) mean += double(pixel.y) / double(film.pixels.size());
     even.add(mean);

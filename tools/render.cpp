@@ -211,7 +211,9 @@ void add_render_command(CLI::App& app, CommonOptions& common) {
   auto methods = std::make_shared<std::vector<RenderMethod>>();
   methods->push_back(make_path_method(*command));
   const auto grid = add_grid_options(*command, "Baked grid of indirect light");
-  for (RenderMethod& method : make_grid_methods(*command, grid)) methods->push_back(std::move(method));
+  const auto gather = add_gather_option(*command);
+  for (RenderMethod& method : make_grid_methods(grid, gather)) methods->push_back(std::move(method));
+  methods->push_back(make_photonmap_method(*command, gather));
   methods->push_back(make_cubemap_method(*command, grid));
   methods->push_back(make_lobes_method(*command));
   methods->push_back(make_fiv_method(*command));

@@ -15,15 +15,17 @@ namespace {
 
 struct GatherOptions {
   std::shared_ptr<GridInputOptions> grid;
-  std::uint64_t gather = 16;
+  std::shared_ptr<std::uint64_t> gather;
 };
 
 Film render_grid(const GatherOptions& options, bool gather, const RenderRequest& request) {
   const IrradianceGrid grid = load_grid(*options.grid, request.input.scene, request.common);
   GatherParams params;
-  params.gather_rays = gather ? int_count("--gather", options.gather, 1) : 0;
+  params.gather_rays = gather ? int_count("--gather", *options.gather, 1) : 0;
   params.indirect_only = request.indirect_only;
-  return render_gather(*request.input.intersector, *request.input.lights, grid_light(*options.grid, grid), request.view,
+  const Intersector& intersector = *request.input.intersector;
+  const GridLight light = grid_light(*options.grid, grid);
+  return render_gather(intersector, *request.input.lights, indirect_light(intersector, light), request.view,
                        request.params, params);
 }
 
@@ -37,22 +39,29 @@ RenderMethod make_method(const std::shared_ptr<GatherOptions>& options, bool gat
     if (options->grid->grid.empty())
       throw UsageError(
           fmt::format("--method {} needs --grid GRID.vdb (see ivory bake grid)", gather ? "gather" : "direct"));
-    if (gather) int_count("--gather", options->gather, 1);
+    if (gather) int_count("--gather", *options->gather, 1);
   };
   method.render = [options, gather](const RenderRequest& request) { return render_grid(*options, gather, request); };
   method.describe = [options, gather](Metadata& m) {
     describe(*options->grid, m);
-    if (gather) m["gather_rays"] = std::int64_t(options->gather);
+    if (gather) m["gather_rays"] = std::int64_t(*options->gather);
   };
   return method;
 }
 
 }  // namespace
 
-std::vector<RenderMethod> make_grid_methods(CLI::App& command, const std::shared_ptr<GridInputOptions>& grid) {
+std::shared_ptr<std::uint64_t> add_gather_option(CLI::App& command) {
+  auto gather = std::make_shared<std::uint64_t>(16);
+  add_count_option(command, "--gather", *gather, "Rays a sample");
+  return gather;
+}
+
+std::vector<RenderMethod> make_grid_methods(const std::shared_ptr<GridInputOptions>& grid,
+                                            const std::shared_ptr<std::uint64_t>& gather) {
   auto options = std::make_shared<GatherOptions>();
   options->grid = grid;
-  add_count_option(command, "--gather", options->gather, "Rays a sample");
+  options->gather = gather;
   return {make_method(options, false), make_method(options, true)};
 }
 

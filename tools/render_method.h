@@ -39,8 +39,11 @@ struct RenderMethod {
 
 // Each adds its options to the command; what the returned functions share lives as long as they do.
 RenderMethod make_path_method(CLI::App& command);
-std::vector<RenderMethod> make_grid_methods(CLI::App& command,
-                                            const std::shared_ptr<GridInputOptions>& grid);  // direct, gather
+// --gather, the rays a sample: of the grid's `gather` and of the photon map.
+std::shared_ptr<std::uint64_t> add_gather_option(CLI::App& command);
+std::vector<RenderMethod> make_grid_methods(const std::shared_ptr<GridInputOptions>& grid,
+                                            const std::shared_ptr<std::uint64_t>& gather);  // direct, gather
+RenderMethod make_photonmap_method(CLI::App& command, const std::shared_ptr<std::uint64_t>& gather);
 RenderMethod make_cubemap_method(CLI::App& command, const std::shared_ptr<GridInputOptions>& grid);
 RenderMethod make_lobes_method(CLI::App& command);
 RenderMethod make_fiv_method(CLI::App& command);

@@ -8,11 +8,11 @@
 // At a surface x seen from wo, reflected light splits by lobe and by how far its light has come:
 //
 //   L = direct light, both lobes                                   sample_direct() and one BSDF ray (MIS)
-//     + indirect light, diffuse lobe     R_d(wo)/pi E_grid(x)      read from the grid, or
+//     + indirect light, diffuse lobe     R_d(wo)/pi E(x)           read from what is stored, or
 //                                        1/N sum f_d cos/p L_r(y)  gathered at the hits y of N rays
 //     + indirect light, specular lobe    f_s cos/p L_r(y)          the BSDF ray again, shaded at its hit y
 //
-// L_r(y) is what y reflects, by the same sum with the grid at its diffuse lobe. What y emits is left out:
+// L_r(y) is what y reflects, by the same sum with stored light at its diffuse lobe. What y emits is left out:
 // to x that is direct light.
 
 namespace ivory {
@@ -26,14 +26,12 @@ constexpr std::uint32_t even_calls = 5;
 struct Gatherer {
   const Intersector& intersector;
   const Lights& lights;
-  const GridLight& grid;
+  const IndirectLight& indirect;
   const GatherParams& params;
 
-  Rgb from_grid(const Surface& surface, const Bsdf& bsdf, const V3f& wo) const {
+  Rgb from_store(const Surface& surface, const Bsdf& bsdf, const V3f& wo) const {
     const Rgb reflectance = diffuse_reflectance(bsdf, wo);
-    if (is_black(reflectance)) return reflectance;
-    return reflectance / pi *
-           lookup_irradiance(*grid.grid, &intersector, grid.guard, surface.p, surface.ng, surface.ns, grid.lookup);
+    return is_black(reflectance) ? reflectance : reflectance / pi * indirect(surface);
   }
 
   Rgb gathered(const Surface& surface, const Bsdf& bsdf, const V3f& wo, RandomStream& random) const {
@@ -69,7 +67,7 @@ struct Gatherer {
       if (counts_direct)
         radiance += throughput * sample_direct(intersector, lights, surface, bsdf, wo, params.strategy, random);
       radiance += throughput * (seen_first && params.gather_rays > 0 ? gathered(surface, bsdf, wo, random)
-                                                                     : from_grid(surface, bsdf, wo));
+                                                                     : from_store(surface, bsdf, wo));
 
       const bool looks_for_light = counts_direct && lights.has_extended();
       const bool reflects = !(is_black(bsdf.f0) && is_black(bsdf.f90));
@@ -117,20 +115,31 @@ struct Gatherer {
 
 }  // namespace
 
-Rgb trace_gather(const Intersector& intersector, const Lights& lights, const GridLight& grid, const Ray& ray,
+IndirectLight indirect_light(const Intersector& intersector, const GridLight& grid) {
+  return [&intersector, &grid](const Surface& surface) {
+    return lookup_irradiance(*grid.grid, &intersector, grid.guard, surface.p, surface.ng, surface.ns, grid.lookup);
+  };
+}
+
+Rgb trace_gather(const Intersector& intersector, const Lights& lights, const IndirectLight& indirect, const Ray& ray,
                  const GatherParams& params, RandomStream& random) {
   const std::optional<Hit> hit = intersector.closest(ray);
   if (!hit) return params.indirect_only ? Rgb(0, 0, 0) : lights.environment_radiance(ray.direction);
   const Surface surface = make_surface(intersector.scene(), ray, *hit);
   const Rgb emission = params.indirect_only ? Rgb(0, 0, 0) : surface.emission;
-  const Gatherer gatherer{intersector, lights, grid, params};
+  const Gatherer gatherer{intersector, lights, indirect, params};
   return emission + gatherer.reflected(surface, -ray.direction, /*first=*/true, random);
 }
 
-Film render_gather(const Intersector& intersector, const Lights& lights, const GridLight& grid, const View& view,
-                   const RenderParams& render, const GatherParams& params) {
+Rgb trace_gather(const Intersector& intersector, const Lights& lights, const GridLight& grid, const Ray& ray,
+                 const GatherParams& params, RandomStream& random) {
+  return trace_gather(intersector, lights, indirect_light(intersector, grid), ray, params, random);
+}
+
+Film render_gather(const Intersector& intersector, const Lights& lights, const IndirectLight& indirect,
+                   const View& view, const RenderParams& render, const GatherParams& params) {
   return render_film(view, render, [&](const Ray& ray, RandomStream& random) {
-    return trace_gather(intersector, lights, grid, ray, params, random);
+    return trace_gather(intersector, lights, indirect, ray, params, random);
   });
 }
 

@@ -45,8 +45,9 @@ PhotonTracer::PhotonTracer(const Intersector& intersector, const Lights& lights,
   ledger_unit_lm_ = std::max(double(power.x) + power.y + power.z, 1e-30) * 0x1p-20;
 }
 
-void PhotonTracer::trace(std::uint64_t begin, std::uint64_t end, std::vector<PhotonSegment>& segments,
-                         PhotonLedger& ledger) const {
+template <typename OnSegment, typename OnArrival>
+void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLedger& ledger, const OnSegment& segment,
+                               const OnArrival& arrival) const {
   const Scene& scene = intersector_.scene();
   const double units_a_lm = 1 / ledger_unit_lm_;
   const auto units = [&](const Rgb& power) {
@@ -68,20 +69,19 @@ void PhotonTracer::trace(std::uint64_t begin, std::uint64_t end, std::vector<Pho
       const float jitter = random.next();
       const std::optional<Hit> hit = intersector_.closest(ray);
       ++ledger.rays;
-      if (bounce > 0 || params_.include_direct) {
-        segments.push_back(
-            {ray.origin, ray.direction, hit ? hit->t : std::numeric_limits<float>::infinity(), power, jitter});
-      }
+      const bool counts = bounce > 0 || params_.include_direct;
+      if (counts) segment(ray, hit, power, jitter);
       if (!hit) {
         ledger.escaped += carried;
         break;
       }
+      const Surface surface = make_surface(scene, ray, *hit);
+      if (counts) arrival(surface, power);
       if (bounce == params_.max_bounces) {
         ledger.terminated += carried;
         break;
       }
 
-      const Surface surface = make_surface(scene, ray, *hit);
       const Bsdf bsdf = make_bsdf(surface);
       const V3f wo = -ray.direction;
       const bool lambertian = is_black(bsdf.f0) && is_black(bsdf.f90);
@@ -108,6 +108,26 @@ void PhotonTracer::trace(std::uint64_t begin, std::uint64_t end, std::vector<Pho
       ray.direction = scattered->wi;
     }
   }
+}
+
+void PhotonTracer::trace(std::uint64_t begin, std::uint64_t end, std::vector<PhotonSegment>& segments,
+                         PhotonLedger& ledger) const {
+  trace_paths(
+      begin, end, ledger,
+      [&](const Ray& ray, const std::optional<Hit>& hit, const Rgb& power, float jitter) {
+        segments.push_back(
+            {ray.origin, ray.direction, hit ? hit->t : std::numeric_limits<float>::infinity(), power, jitter});
+      },
+      [](const Surface&, const Rgb&) {});
+}
+
+void PhotonTracer::trace_arrivals(std::uint64_t begin, std::uint64_t end, std::vector<PhotonArrival>& arrivals,
+                                  PhotonLedger& ledger) const {
+  trace_paths(
+      begin, end, ledger, [](const Ray&, const std::optional<Hit>&, const Rgb&, float) {},
+      [&](const Surface& surface, const Rgb& power) {
+        if (!is_black(surface.diffuse_albedo)) arrivals.push_back({surface.p, surface.ng, power});
+      });
 }
 
 }  // namespace ivory

@@ -17,9 +17,16 @@ struct PhotonSegment {
   float jitter = 0;    // uniform in [0, 1), for whoever samples positions along the segment
 };
 
+// A photon that meets a surface.
+struct PhotonArrival {
+  V3f p;
+  V3f n;         // unit geometric normal, on the side that the photon came from
+  Rgb power_lm;  // per photon: divide by the number of photons traced
+};
+
 struct PhotonParams {
   int max_bounces = 1000;       // Russian roulette ends paths long before; this bounds the time in a mirror box
-  bool include_direct = false;  // also the segments that come straight from a light
+  bool include_direct = false;  // also segments and arrivals that come straight from a light
   std::uint64_t seed = 1;
 };
 
@@ -43,9 +50,18 @@ class PhotonTracer {
   // Traces photons [begin, end) and appends their segments, photon by photon.
   void trace(std::uint64_t begin, std::uint64_t end, std::vector<PhotonSegment>& segments, PhotonLedger& ledger) const;
 
+  // The same photons; appends where they meet surfaces that have a diffuse lobe, photon by photon.
+  void trace_arrivals(std::uint64_t begin, std::uint64_t end, std::vector<PhotonArrival>& arrivals,
+                      PhotonLedger& ledger) const;
+
   double ledger_unit_lm() const { return ledger_unit_lm_; }
 
  private:
+  // Calls segment(ray, hit, power, jitter) for each segment and arrival(surface, power) where one ends at a surface.
+  template <typename OnSegment, typename OnArrival>
+  void trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLedger& ledger, const OnSegment& segment,
+                   const OnArrival& arrival) const;
+
   const Intersector& intersector_;
   const Lights& lights_;
   PhotonParams params_;

@@ -1,0 +1,214 @@
+// The photon map against closed forms and against the path tracer.
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "grid/error.h"
+#include "tests/fiv_shapes.h"
+#include "tests/scene_builder.h"
+#include "tests/statistics.h"
+#include "tracer/photon_map.h"
+#include "tracer/photon_tracer.h"
+#include "tracer/probe.h"
+
+namespace ivory {
+namespace {
+
+struct Lit {
+  Scene scene;
+  Intersector intersector;
+  Lights lights;
+
+  explicit Lit(Scene s) : scene(std::move(s)), intersector(scene), lights(scene, intersector) {}
+};
+
+// A sphere of radius 1, seen from inside, and a light in its middle.
+Scene integrating_sphere(float albedo) {
+  Scene scene;
+  scene.name = "sphere";
+  const int wall = add_lambert(scene, Rgb(albedo, albedo, albedo));
+  Mesh ball = make_ball(1, 48, wall);
+  for (auto& t : ball.triangles) std::swap(t.y, t.z);
+  add_mesh(scene, std::move(ball));
+  scene.lights.push_back(PointLight{V3f(0, 0, 0), Rgb(1, 2, 4)});
+  return scene;
+}
+
+double area(const Scene& scene) {
+  double sum = 0;
+  for (const Mesh& mesh : scene.meshes) {
+    for (const auto& t : mesh.triangles)
+      sum += (V3d(mesh.positions[t.y]) - V3d(mesh.positions[t.x]))
+                 .cross(V3d(mesh.positions[t.z]) - V3d(mesh.positions[t.x]))
+                 .length() /
+             2;
+  }
+  return sum;
+}
+
+// E = Phi/A rho/(1 - rho) everywhere. The means over 1,000 places of maps of 24 seeds are independent; |z| > 4 is a
+// false alarm once in 2,000 tests of a mean with 23 degrees of freedom. Their standard error is 0.3 %, so that
+// counting the rim's photon (1/(K-1) too bright, 11 % at K = 10), or leaving out the photon itself (1/K too dark),
+// fails.
+TEST(PhotonMap, IntegratingSphere) {
+  const Lit lit(integrating_sphere(0.5F));
+  const double flux = 4 * double(pi) * 2;  // of the green channel
+  const double truth = flux / area(lit.scene) * 0.5 / (1 - 0.5);
+  for (const int neighbours : {50, 100}) {
+    Accumulator means;
+    for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+      PhotonMapParams params;
+      params.photons = 40'000;
+      params.neighbours = neighbours;
+      params.seed = seed;
+      const PhotonMap map(lit.intersector, lit.lights, params);
+      constexpr int places = 1000;
+      double mean = 0;
+      for (int i = 0; i < places; ++i) {  // along a spiral
+        const float y = 1 - (2 * float(i) + 1) / places;
+        const float angle = 2.3999632F * float(i);
+        const float r = std::sqrt(1 - y * y);
+        const V3f n(r * std::cos(angle), y, r * std::sin(angle));
+        const Rgb e = map.irradiance(n, -n);
+        mean += double(e.y) / places;
+        EXPECT_NEAR(e.x, e.y / 2, 1e-4F * e.y);  // grey walls keep the light's colour
+        EXPECT_NEAR(e.z, e.y * 2, 1e-4F * e.y);
+      }
+      means.add(mean);
+    }
+    EXPECT_LT(std::abs(z_score(means, truth)), z_limit) << neighbours << ": " << means.mean() << " for " << truth;
+    EXPECT_LT(means.standard_error(), 0.004 * truth);
+  }
+}
+
+// Closed box whose walls emit L_e: indirect E = pi L_e rho/(1-rho), read in the middle of its walls, where discs do not
+// reach edges.
+TEST(PhotonMap, Furnace) {
+  Scene scene;
+  scene.name = "furnace";
+  const int wall = add_lambert(scene, Rgb(0.6F, 0.6F, 0.6F), Rgb(2, 2, 2));
+  add_mesh(scene, make_room(V3f(-1, -1, -1), V3f(1, 1, 1), wall));
+  const Lit lit(std::move(scene));
+  const double truth = double(pi) * 2 * 0.6 / (1 - 0.6);
+  Accumulator means;
+  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+    PhotonMapParams params;
+    params.photons = 40'000;
+    params.seed = seed;
+    const PhotonMap map(lit.intersector, lit.lights, params);
+    double mean = 0;
+    for (unsigned face = 0; face < 6; ++face) {
+      V3f n(0, 0, 0);
+      n[face / 2] = face % 2 == 0 ? 1.0F : -1.0F;
+      mean += double(map.irradiance(n + V3f(0.1F, 0.1F, 0.1F) * (V3f(1, 1, 1) - n * n), -n).y) / 6;
+    }
+    means.add(mean);
+  }
+  EXPECT_LT(std::abs(z_score(means, truth)), z_limit) << means.mean() << " for " << truth;
+}
+
+// Under a lamp the light is not even: the map's mean over the floor is still the path tracer's. The floor's middle
+// 1 m^2, 4 cm discs: the light's curvature there is worth 0.1 %.
+TEST(PhotonMap, AgreesWithThePathTracerInARoom) {
+  Scene scene;
+  scene.name = "room";
+  const int white = add_lambert(scene, Rgb(0.7F, 0.7F, 0.7F));
+  add_mesh(scene, make_room(V3f(-1, -1, -1), V3f(1, 1, 1), white));
+  scene.lights.push_back(PointLight{V3f(0.3F, 0.2F, -0.2F), Rgb(1, 1, 1)});
+  const Lit lit(std::move(scene));
+  std::vector<ProbePoint> points;
+  for (int i = 0; i < 64; ++i)
+    points.push_back({V3f(-0.5F + float(i % 8) / 7, -1, -0.5F + float(i / 8) / 7), V3f(0, 1, 0)});
+  ProbeParams probe;
+  probe.samples = 2000;
+  probe.indirect_only = true;
+  double truth = 0;
+  double truth_variance = 0;
+  for (const ProbeResult& r : probe_scene(lit.scene, lit.intersector, lit.lights, points, probe)) {
+    truth += double(r.e.y) / 64;
+    truth_variance += std::pow(double(r.standard_error.y) / 64, 2);
+  }
+  Accumulator means;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    PhotonMapParams params;
+    params.photons = 100'000;
+    params.seed = seed;
+    const PhotonMap map(lit.intersector, lit.lights, params);
+    double mean = 0;
+    for (const ProbePoint& point : points) mean += double(map.irradiance(point.p, point.n).y) / 64;
+    means.add(mean);
+  }
+  const double error = std::hypot(means.standard_error(), std::sqrt(truth_variance)) + 1e-3 * truth;
+  EXPECT_LT(std::abs(means.mean() - truth) / error, z_limit) << means.mean() << " for " << truth;
+}
+
+// Two sides of a thin wall hold light of their own, and what no photon reaches is black.
+TEST(PhotonMap, KeepsSidesApart) {
+  Scene scene;
+  scene.name = "wall";
+  const int white = add_lambert(scene, Rgb(0.5F, 0.5F, 0.5F), Rgb(0, 0, 0), true);
+  add_mesh(scene, make_room(V3f(-1, -1, -1), V3f(1, 1, 1), white));
+  add_mesh(scene, make_quad(V3f(0, -1, -1), V3f(0, 2, 0), V3f(0, 0, 2), white));
+  scene.lights.push_back(PointLight{V3f(0.5F, 0, 0), Rgb(1, 1, 1)});
+  const Lit lit(std::move(scene));
+  PhotonMapParams params;
+  params.photons = 20'000;
+  const PhotonMap map(lit.intersector, lit.lights, params);
+  EXPECT_GT(map.irradiance(V3f(0, 0.1F, 0.1F), V3f(1, 0, 0)).y, 0);
+  EXPECT_EQ(map.irradiance(V3f(0, 0.1F, 0.1F), V3f(-1, 0, 0)), Rgb(0, 0, 0));
+  EXPECT_EQ(map.irradiance(V3f(-1, 0, 0), V3f(1, 0, 0)), Rgb(0, 0, 0));
+}
+
+TEST(PhotonMap, DoesNotDependOnThreads) {
+  const Lit lit(small_room());
+  std::vector<Rgb> results[2];
+  for (const int threads : {1, 2}) {
+    PhotonMapParams params;
+    params.photons = 20'000;
+    params.threads = threads;
+    const PhotonMap map(lit.intersector, lit.lights, params);
+    for (int i = 0; i < 100; ++i)
+      results[threads - 1].push_back(map.irradiance(V3f(-0.9F + 0.018F * float(i), -1, 0.3F), V3f(0, 1, 0)));
+  }
+  EXPECT_EQ(results[0], results[1]);
+}
+
+TEST(PhotonMap, ArrivalsEndTheSegments) {
+  const Lit lit(small_room());
+  const PhotonTracer tracer(lit.intersector, lit.lights, {});
+  std::vector<PhotonSegment> segments;
+  std::vector<PhotonArrival> arrivals;
+  PhotonLedger a;
+  PhotonLedger b;
+  tracer.trace(0, 2000, segments, a);
+  tracer.trace_arrivals(0, 2000, arrivals, b);
+  EXPECT_EQ(a.absorbed, b.absorbed);
+  EXPECT_EQ(a.rays, b.rays);
+  ASSERT_GT(arrivals.size(), 1000U);
+  // The lamp is black and keeps no photons; all others are segments' ends, in order.
+  std::size_t next = 0;
+  for (const PhotonSegment& s : segments) {
+    if (next == arrivals.size()) break;
+    if ((s.origin + s.direction * s.length_m - arrivals[next].p).length() > 1e-5F) continue;
+    EXPECT_EQ(s.power_lm, arrivals[next].power_lm);
+    EXPECT_LT(s.direction.dot(arrivals[next].n), 0);
+    ++next;
+  }
+  EXPECT_EQ(next, arrivals.size());
+}
+
+TEST(PhotonMap, RefusesDarknessAndEndlessMaps) {
+  Scene dark;
+  dark.name = "dark";
+  add_mesh(dark, make_room(V3f(-1, -1, -1), V3f(1, 1, 1), add_lambert(dark, Rgb(0.5F, 0.5F, 0.5F))));
+  const Lit unlit(std::move(dark));
+  EXPECT_THROW(PhotonMap(unlit.intersector, unlit.lights, {}), Error);
+  const Lit lit(small_room());
+  PhotonMapParams params;
+  params.photons = 100'000'000'000;
+  EXPECT_THROW(PhotonMap(lit.intersector, lit.lights, params), Error);
+}
+
+}  // namespace
+}  // namespace ivory
