@@ -5,6 +5,7 @@
 // Functions leave bound what they bound last: units' textures, the program, GL_PIXEL_UNPACK_BUFFER 0.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -79,6 +80,8 @@ struct Texture {
 Texture make_texture_2d(const std::string& what, Format format, int width, int height, const void* texels,
                         Filter filter, Wrap wrap = Wrap::clamp);
 Texture make_texture_3d(const std::string& what, Format format, const V3i& size, const void* texels, Filter filter);
+// `layers` pictures without contents, not blended into each other.
+Texture make_texture_array(const std::string& what, Format format, int width, int height, int layers, Filter filter);
 // Six square faces in OpenGL's order and orientation, one after another.
 Texture make_texture_cube(const std::string& what, Format format, int size, const void* texels, Filter filter);
 
@@ -107,6 +110,7 @@ class Program {
   // GLSL multiplies column vectors: v' = m * v is what Imath writes v * m.
   void set(const std::string& name, const M33f& value);
   void set(const std::string& name, const M44f& value);
+  void set_ivec4(const std::string& name, const std::array<int, 4>& value);
   // Arrays, from element 0.
   void set(const std::string& name, const float* values, int count);
   void set(const std::string& name, const V4f* values, int count);

@@ -99,6 +99,9 @@ void Program::set(const std::string& name, const M33f& value) {
 void Program::set(const std::string& name, const M44f& value) {
   IVORY_GL(glUniformMatrix4fv, location(name), 1, GLboolean(GL_FALSE), value.getValue());
 }
+void Program::set_ivec4(const std::string& name, const std::array<int, 4>& value) {
+  IVORY_GL(glUniform4iv, location(name), 1, value.data());
+}
 void Program::set(const std::string& name, const float* values, int count) {
   IVORY_GL(glUniform1fv, location(name), count, values);
 }

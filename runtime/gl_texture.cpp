@@ -128,6 +128,17 @@ Texture make_texture_3d(const std::string& what, Format format, const V3i& size,
   return texture;
 }
 
+Texture make_texture_array(const std::string& what, Format format, int width, int height, int layers, Filter filter) {
+  require_size(what, GL_MAX_TEXTURE_SIZE, std::max(width, height));
+  require_size(what, GL_MAX_ARRAY_TEXTURE_LAYERS, layers);
+  Texture texture = begin(format, GL_TEXTURE_2D_ARRAY, {width, height, layers});
+  const Layout l = layout(format);
+  glTexImage3D(texture.target, 0, GLint(l.internal_format), width, height, layers, 0, l.format, l.type, nullptr);
+  check_memory(what, "glTexImage3D", texture.bytes());
+  set_sampling(texture, filter, Wrap::clamp);
+  return texture;
+}
+
 Texture make_texture_cube(const std::string& what, Format format, int size, const void* texels, Filter filter) {
   require_size(what, GL_MAX_CUBE_MAP_TEXTURE_SIZE, size);
   Texture texture = begin(format, GL_TEXTURE_CUBE_MAP, {size, size, 1});
