@@ -2,6 +2,7 @@
 #include "tracer/bench_fiv.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -36,6 +37,16 @@ struct Case {
   std::vector<V3f> copies;
 };
 
+// Forty places in a box over the plane, evenly strewn (Roberts's sequence of dimension 3).
+std::vector<V3f> strewn() {
+  std::vector<V3f> out;
+  for (int i = 1; i <= 40; ++i) {
+    const auto part = [i](double step) { return float(std::fmod(0.5 + step * i, 1.0)); };
+    out.emplace_back(10 * part(0.8191725134) - 5, 5 * part(0.6710436067), 10 * part(0.5497004779) - 5);
+  }
+  return out;
+}
+
 // Planes under, at the foot of, and through the occluder, and several occluders over one plane so close that
 // their shadows meet.
 std::vector<Case> make_cases(const FivOccluder& occluder) {
@@ -53,12 +64,15 @@ std::vector<Case> make_cases(const FivOccluder& occluder) {
   through.n = V3f(0.35F, 0.9F, 0.2F).normalized();
   FivPlane wide = under;
   wide.half_side = 4;
+  FivPlane wider = under;
+  wider.half_side = 6;
   const V3f here(0, 0, 0);
   return {{"floating", under, {here}},
           {"standing", foot, {here}},
           {"tilted", through, {here}},
           {"two", wide, {V3f(-0.6F, 0, 0), V3f(0.6F, 0.7F, 0.5F)}},
-          {"four", wide, {V3f(-0.9F, 0, -0.3F), V3f(0.7F, 0.3F, 0.7F), V3f(0.1F, 1.4F, -0.2F), V3f(1.1F, 0.1F, -1)}}};
+          {"four", wide, {V3f(-0.9F, 0, -0.3F), V3f(0.7F, 0.3F, 0.7F), V3f(0.1F, 1.4F, -0.2F), V3f(1.1F, 0.1F, -1)}},
+          {"forty", wider, strewn()}};
 }
 
 FivTable first_hemisphere(const FivTable& six) {

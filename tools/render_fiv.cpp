@@ -61,16 +61,22 @@ Film render(const FivOptions& options, const RenderRequest& request) {
   const SceneInput& input = request.input;
   const Scene& scene = input.scene;
   const std::map<int, std::string> table_of_node = tables_of_nodes(options, scene);
-  std::map<std::string, FivTable> tables;
+  struct OneTable {
+    FivTable table;
+    float most_hidden = 0;
+  };
+  std::map<std::string, OneTable> tables;
   FivScene fiv;
   fiv.occluder_of.assign(scene.instances.size(), -1);
   for (const auto& [node, path] : table_of_node) {
     if (!tables.contains(path)) {
-      tables[path] = read_fiv(path);
-      check_environment(path, tables[path].metadata, input);
+      FivTable table = read_fiv(path);
+      check_environment(path, table.metadata, input);
+      const float most = most_hidden(table);
+      tables[path] = {std::move(table), most};
     }
     const std::vector<bool> part = instances_below(scene, node);
-    const std::optional<FivPlacement> placement = find_placement(tables[path], scene, part);
+    std::optional<FivPlacement> placement = find_placement(tables[path].table, scene, part);
     if (!placement)
       throw Error(path,
                   fmt::format("does not belong to node '{}': it was baked from another mesh, or the node is turned",
@@ -79,6 +85,7 @@ Film render(const FivOptions& options, const RenderRequest& request) {
     for (std::size_t i = 0; i < part.size(); ++i) {
       if (part[i]) fiv.occluder_of[i] = int(fiv.occluders.size());
     }
+    placement->most_hidden = tables[path].most_hidden;
     fiv.occluders.push_back(*placement);
   }
   if (fiv.occluders.empty())

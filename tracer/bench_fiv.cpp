@@ -59,6 +59,9 @@ FivReference reference_by_rays(const FivOccluder& occluder, const CubeMap& envir
         Ray ray;
         ray.origin = receivers[i] - copy;
         ray.direction = lights.w[k];
+        // The mesh lies in the unit sphere; most rays miss it where there are many copies.
+        const float along = ray.origin.dot(ray.direction);
+        if ((ray.origin - ray.direction * along).length2() > 1.0001F) return false;
         return object.transmittance(ray) <= 0.5F;
       });
       if (!hidden) out.e[i] += lights.power[k] * cosine;
