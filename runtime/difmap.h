@@ -1,0 +1,37 @@
+// DifMaps in OpenGL: a cube map with seamless linear filtering (shaders/difmap.glsl).
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "grid/difmap.h"
+#include "runtime/gl.h"
+
+namespace ivory {
+
+struct DifMapUploadParams {
+  // RGB16F instead of RGB32F: half the memory, E to 2^-11. The scale keeps eleven bits down to 2^-29 of the largest E.
+  bool half_floats = false;
+};
+
+struct GpuDifMap {
+  gl::Texture e;    // E over scale
+  float scale = 1;  // lux
+  std::size_t bytes() const { return e.bytes(); }
+};
+
+// Faces are mirrored into OpenGL's orientation. Throws Error where the context's limits do not hold the map.
+GpuDifMap upload(const DifMap& map, const DifMapUploadParams& params = {});
+
+// Throws Error as read_difmap() and upload() do.
+GpuDifMap load_difmap(const std::string& path, const DifMapUploadParams& params = {});
+
+// Binds the map to `first_unit`, sets the uniforms of shaders/ambient_difmap.glsl and enables
+// GL_TEXTURE_CUBE_MAP_SEAMLESS, without which faces' edges show; makes the program current. Returns the next free unit.
+int bind(const GpuDifMap& map, gl::Program& program, int first_unit);
+
+// The power of two by which `largest`, the greatest magnitude of what is to be kept in half floats, is divided so that
+// it lies within [2^14, 2^15): no overflow, and eleven bits for all down to 2^-28 of it. 1 for 0.
+float half_scale(float largest);
+
+}  // namespace ivory

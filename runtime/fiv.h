@@ -1,0 +1,65 @@
+// FIV occluder tables in OpenGL: all tables of a scene in one 3D texture, occluders in a uniform buffer
+// (shaders/fiv_table.glsl, fiv_light.glsl, ambient_fiv.glsl).
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "grid/fiv_light.h"
+#include "runtime/difmap.h"
+#include "runtime/gl.h"
+#include "runtime/sh9.h"
+
+namespace ivory {
+
+// Sizes of the arrays in shaders/ambient_fiv.glsl.
+inline constexpr int fiv_max_tables = 64;
+inline constexpr int fiv_max_occluders = 256;
+
+// Binding points of the uniform buffers.
+inline constexpr int fiv_tables_binding = 8;
+inline constexpr int fiv_occluders_binding = 9;
+
+struct FivUploadParams {
+  bool half_floats = false;  // RGBA16F instead of RGBA32F: half the memory, moments to 2^-11
+};
+
+// An occluder where it stands: a table may have many. Moved and evenly scaled, not turned.
+struct GpuFivOccluder {
+  int table = 0;
+  V3f center_m{0, 0, 0};  // of the bounding sphere, in the world
+  float radius_m = 1;
+};
+
+struct GpuFivTables {
+  gl::Texture atlas;
+  gl::Texture spheres;
+  gl::Buffer tables;
+  gl::Buffer occluders;
+  int table_count = 0;
+  int occluder_count = 0;
+  std::size_t bytes() const;  // of textures and buffers
+};
+
+// One to fiv_max_tables tables, of any sizes, with one or six hemispheres; no occluders yet. Throws Error where the
+// context's limits do not hold them, and where two spheres of a table are less than a thousandth of its range (in log
+// r) apart.
+GpuFivTables upload(std::span<const FivTable> tables, const FivUploadParams& params = {});
+
+// Throws Error as read_fiv() and upload() do.
+GpuFivTables load_fiv_tables(std::span<const std::string> paths, const FivUploadParams& params = {});
+
+// Replaces all occluders; cheap enough for every frame. Throws Error for more than fiv_max_occluders.
+void set_occluders(GpuFivTables& fiv, std::span<const GpuFivOccluder> occluders);
+
+// Bind two or three textures from `first_unit` on and the uniform buffers, and set the uniforms of
+// shaders/ambient_fiv.glsl; make the program current. `unshadowed`: the environment that the tables were baked under.
+// `self`: index of the occluder that what is drawn next is, or -1; between objects program.set("ivory_fiv_self", i)
+// is enough. Return the next free unit.
+int bind(const GpuFivTables& fiv, const GpuDifMap& unshadowed, gl::Program& program, int first_unit,
+         const FivLightParams& params = {}, int self = -1);
+int bind(const GpuFivTables& fiv, const GpuSh9& unshadowed, gl::Program& program, int first_unit,
+         const FivLightParams& params = {}, int self = -1);
+
+}  // namespace ivory

@@ -1,0 +1,25 @@
+// SH9 environments in OpenGL: three matrices as uniforms (shaders/sh9.glsl).
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "grid/io_sh9.h"
+#include "runtime/gl.h"
+
+namespace ivory {
+
+struct GpuSh9 {
+  Sh9MatricesF matrices{};  // uniforms; there are no OpenGL objects
+  std::size_t bytes() const { return sizeof(matrices); }
+};
+
+GpuSh9 upload(const Sh9& sh);
+
+// Throws Error as read_sh9() does.
+GpuSh9 load_sh9(const std::string& path);
+
+// Sets `ivory_sh9` of shaders/ambient_sh9.glsl; makes the program current. Returns first_unit: no texture is taken.
+int bind(const GpuSh9& sh, gl::Program& program, int first_unit);
+
+}  // namespace ivory

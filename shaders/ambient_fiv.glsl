@@ -1,0 +1,56 @@
+// Ambient light of an environment (SH9 or DifMap) shadowed by occluders with FIV tables. Twin: fiv_irradiance() of
+// grid/fiv_light.h. Set by bind(const GpuFivTables&, ...) of runtime/fiv.h, `ivory_fiv_self` for each object by yourself.
+#include "sh9.glsl"
+#include "difmap.glsl"
+#include "fiv_light.glsl"
+
+uniform IvorySh9 ivory_sh9;
+uniform samplerCube ivory_difmap_e;
+uniform float ivory_difmap_scale;  // lux
+uniform int ivory_fiv_use_difmap;  // 0: unshadowed light from SH9, 1: from the DifMap
+uniform sampler3D ivory_fiv_atlas;
+uniform sampler2D ivory_fiv_spheres;
+uniform int ivory_fiv_straddling;  // 0 bound, 1 scale
+uniform int ivory_fiv_overlap;     // 0 none, 1 discs, 2 covers, 3 product
+uniform int ivory_fiv_self = -1;   // index of the occluder that the object is, or -1
+
+layout(std140) uniform IvoryFivTables { IvoryFivTable ivory_fiv_tables[64]; };
+
+layout(std140) uniform IvoryFivOccluders {
+  ivec4 ivory_fiv_occluders;      // x: how many
+  vec4 ivory_fiv_place[256];      // centre of the bounding sphere and its radius in metres, in the world
+  ivec4 ivory_fiv_table_of[256];  // x: index of its table
+};
+
+// E in lux at world p for the unit normal n.
+vec3 ivory_ambient(vec3 p, vec3 n) {
+  vec3 unshadowed = ivory_fiv_use_difmap == 1 ? ivory_irradiance(ivory_difmap_e, ivory_difmap_scale, n)
+                                              : ivory_irradiance(ivory_sh9, n);
+  float allowance = ivory_fiv_negligible * ivory_luminance(unshadowed);
+  float neglected = 0.0;
+  IvoryFivShadows shadows = ivory_fiv_no_shadows();
+  for (int i = 0; i < ivory_fiv_occluders.x; ++i) {
+    if (i == ivory_fiv_self) continue;
+    vec4 place = ivory_fiv_place[i];
+    vec3 q = (p - place.xyz) / place.w;
+    float height = -dot(q, n);
+    if (height <= -1.0) continue;
+    IvoryFivTable table = ivory_fiv_tables[ivory_fiv_table_of[i].x];
+    float at_most = table.scale.y * ivory_fiv_falloff(length(q));
+    if (neglected + at_most <= allowance) {
+      neglected += at_most;
+      continue;
+    }
+    IvoryFivShadow shadow = ivory_fiv_shadow_of(ivory_fiv_atlas, ivory_fiv_spheres, table, q, height, n,
+                                                ivory_fiv_straddling, unshadowed);
+    if (shadow.luminance > 0.0) ivory_fiv_add(shadows, shadow, unshadowed);
+  }
+  vec3 open = unshadowed;
+  if (ivory_fiv_self >= 0) {
+    vec4 place = ivory_fiv_place[ivory_fiv_self];
+    IvoryFivTable table = ivory_fiv_tables[ivory_fiv_table_of[ivory_fiv_self].x];
+    IvoryFivMoments moments = ivory_lookup(ivory_fiv_atlas, ivory_fiv_spheres, table, (p - place.xyz) / place.w);
+    open = ivory_self_shadowed_irradiance(table, moments, n);
+  }
+  return ivory_fiv_leave(open, unshadowed, ivory_fiv_hidden(shadows, unshadowed, ivory_fiv_overlap));
+}

@@ -1,0 +1,140 @@
+// The light of an environment at a receiver among moving occluders. Twin: grid/fiv_light.h.
+//
+// Go through the occluders, ivory_fiv_add() each one's shadow to IvoryFivShadows, then ask for ivory_fiv_leave():
+// shaders/ambient_fiv.glsl does. `overlap`: 0 none, 1 discs, 2 covers, 3 product.
+#include "fiv_table.glsl"
+
+// Shadows that are compared pair by pair.
+#define IVORY_FIV_STRONGEST 8
+
+// The share of the unshadowed light that occluders left out may hide, all together.
+const float ivory_fiv_negligible = 1e-3;
+
+// What one occluder does to a receiver; of no account where nothing is hidden.
+struct IvoryFivShadow {
+  vec3 hidden;        // lux
+  float luminance;    // of hidden
+  vec3 light;         // unit, mean direction of what is hidden, weighted by radiance
+  float disc_radius;  // of its bounding sphere on the unit sphere about the receiver
+  vec3 towards;       // unit, to the occluder's centre
+  float coverage;     // share of the disc that it fills
+  float gathered;     // share of what it hides that comes from light gathered in a few places
+};
+
+struct IvoryFivShadows {
+  IvoryFivShadow strongest[IVORY_FIV_STRONGEST];  // in descending order of luminance
+  vec3 sum;                                       // of all, lux
+  vec3 share_of_all;   // of the unshadowed light that is visible if shadows multiply; of all,
+  vec3 share_of_rest;  // and of all but the strongest, after what those hide already
+};
+
+float ivory_luminance(vec3 c) { return dot(c, vec3(0.2126, 0.7152, 0.0722)); }
+
+IvoryFivShadows ivory_fiv_no_shadows() {
+  IvoryFivShadow none = IvoryFivShadow(vec3(0.0), 0.0, vec3(0.0), 1.0, vec3(0.0), 0.0, 0.0);
+  IvoryFivShadows shadows;
+  for (int i = 0; i < IVORY_FIV_STRONGEST; ++i) shadows.strongest[i] = none;
+  shadows.sum = vec3(0.0);
+  shadows.share_of_all = vec3(1.0);
+  shadows.share_of_rest = vec3(1.0);
+  return shadows;
+}
+
+// For a receiver at q (in bounding radii) over whose plane the centre stands `height` high, above -1.
+IvoryFivShadow ivory_fiv_shadow_of(sampler3D atlas, sampler2D spheres, IvoryFivTable table, vec3 q, float height, vec3 n,
+                                   int straddling, vec3 unshadowed) {
+  float r = length(q);
+  IvoryFivMoments moments = ivory_lookup(atlas, spheres, table, q);
+  IvoryFivShadow shadow;
+  shadow.towards = r > 0.0 ? q / -r : n;
+  shadow.disc_radius = r > 1.0 ? 1.0 / r : 1.0;
+  shadow.coverage = table.samples.w;
+  shadow.hidden = ivory_hidden_irradiance(table, moments, n, height, straddling);
+  shadow.luminance = ivory_luminance(shadow.hidden);
+  vec3 light = vec3(ivory_luminance(moments.slab[0].rgb), ivory_luminance(moments.slab[1].rgb),
+                    ivory_luminance(moments.slab[2].rgb));
+  float size = length(light);
+  shadow.light = size > 0.0 ? light / size : vec3(0.0);
+  float even = ivory_luminance(unshadowed) * max(0.0, dot(shadow.towards, n)) * shadow.coverage * shadow.disc_radius *
+               shadow.disc_radius;
+  shadow.gathered = shadow.luminance > 0.0 ? clamp(1.0 - even / shadow.luminance, 0.0, 1.0) : 0.0;
+  return shadow;
+}
+
+// Area that two discs share in a plane, their centres `apart`.
+float ivory_lens_area(float r1, float r2, float apart) {
+  const float pi = 3.14159265359;
+  if (apart >= r1 + r2) return 0.0;
+  float smaller = min(r1, r2);
+  if (apart <= abs(r1 - r2)) return pi * smaller * smaller;
+  // The angle whose cosine is c1 by both legs of its triangle: digits stay where it is small.
+  float c1 = apart * apart + r1 * r1 - r2 * r2;
+  float c2 = apart * apart + r2 * r2 - r1 * r1;
+  float height =
+      sqrt(max((-apart + r1 + r2) * (apart + r1 - r2) * (apart - r1 + r2) * (apart + r1 + r2), 0.0));
+  return r1 * r1 * ivory_fast_angle(height, c1) + r2 * r2 * ivory_fast_angle(height, c2) - 0.5 * height;
+}
+
+float ivory_fiv_common_area(IvoryFivShadow a, IvoryFivShadow b) {
+  return ivory_lens_area(a.disc_radius, b.disc_radius, distance(a.towards, b.towards));
+}
+
+float ivory_fiv_disc_area(IvoryFivShadow a) { return 3.14159265359 * a.disc_radius * a.disc_radius; }
+
+// How much of what `weak` hides `strong` has left open.
+float ivory_fiv_left_open(IvoryFivShadow strong, IvoryFivShadow weak) {
+  float gathered = weak.gathered * strong.gathered;
+  float spread = strong.coverage * ivory_fiv_common_area(strong, weak) / ivory_fiv_disc_area(weak);
+  float apart = distance(strong.light, weak.light);
+  float same = max(0.0, 1.0 - apart / min(strong.disc_radius, weak.disc_radius));
+  return 1.0 - min(1.0, (1.0 - gathered) * spread + gathered * same);
+}
+
+// 1 - hidden / unshadowed per channel, 1 where there is no light.
+vec3 ivory_fiv_visible(vec3 hidden, vec3 unshadowed) {
+  vec3 share = max(1.0 - hidden / max(unshadowed, 1e-37), 0.0);
+  return mix(vec3(1.0), share, greaterThan(unshadowed, vec3(0.0)));
+}
+
+void ivory_fiv_add(inout IvoryFivShadows shadows, IvoryFivShadow shadow, vec3 unshadowed) {
+  shadows.sum += shadow.hidden;
+  shadows.share_of_all *= ivory_fiv_visible(shadow.hidden, unshadowed);
+  for (int i = 0; i < IVORY_FIV_STRONGEST; ++i) {
+    IvoryFivShadow kept = shadows.strongest[i];
+    bool stronger = shadow.luminance > kept.luminance;
+    if (stronger) {
+      shadows.strongest[i] = shadow;
+      shadow = kept;
+    }
+  }
+  float open = 1.0;
+  for (int i = 0; i < IVORY_FIV_STRONGEST; ++i) open *= ivory_fiv_left_open(shadows.strongest[i], shadow);
+  shadows.share_of_rest *= ivory_fiv_visible(shadow.hidden * open, unshadowed);
+}
+
+// Irradiance in lux that all shadows take together.
+vec3 ivory_fiv_hidden(IvoryFivShadows shadows, vec3 unshadowed, int overlap) {
+  if (overlap == 0) return shadows.sum;
+  if (overlap == 3) return unshadowed * (1.0 - shadows.share_of_all);
+  vec3 by_discs = shadows.sum;
+  vec3 by_covers = vec3(0.0);
+  for (int k = 0; k < IVORY_FIV_STRONGEST; ++k) {
+    IvoryFivShadow a = shadows.strongest[k];
+    float open = 1.0;
+    for (int j = 0; j < k; ++j) {
+      IvoryFivShadow b = shadows.strongest[j];
+      float share = ivory_fiv_common_area(a, b) / (ivory_fiv_disc_area(a) + ivory_fiv_disc_area(b));
+      by_discs -= a.luminance > 0.0 ? (a.hidden + b.hidden) * share : vec3(0.0);
+      open *= ivory_fiv_left_open(b, a);
+    }
+    by_covers += a.hidden * open;
+  }
+  by_covers += max(unshadowed - by_covers, 0.0) * (1.0 - shadows.share_of_rest);
+  return overlap == 1 ? by_discs : by_covers;
+}
+
+// Of the unshadowed light, or of `open`, what the receiver's own object leaves of it: what remains, in lux.
+vec3 ivory_fiv_leave(vec3 open, vec3 unshadowed, vec3 hidden) {
+  vec3 share = mix(vec3(0.0), clamp(hidden / max(unshadowed, 1e-37), 0.0, 1.0), greaterThan(unshadowed, vec3(0.0)));
+  return min(open, unshadowed) * (1.0 - share);
+}
