@@ -53,6 +53,11 @@ int bind(const GpuDifMap& map, gl::Program& program, int first_unit) {
   return first_unit + 1;
 }
 
+AmbientSource ambient(const GpuDifMap& map) {
+  return {"#include \"ambient_difmap.glsl\"\n",
+          [&map](gl::Program& program, int first_unit) { return bind(map, program, first_unit); }};
+}
+
 float half_scale(float largest) {
   if (!(largest > 0)) return 1;
   return std::ldexp(1.0F, std::clamp(std::ilogb(largest) - 14, -100, 100));

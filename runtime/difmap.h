@@ -5,6 +5,7 @@
 #include <string>
 
 #include "grid/difmap.h"
+#include "runtime/ambient.h"
 #include "runtime/gl.h"
 
 namespace ivory {
@@ -29,6 +30,9 @@ GpuDifMap load_difmap(const std::string& path, const DifMapUploadParams& params 
 // Binds the map to `first_unit`, sets the uniforms of shaders/ambient_difmap.glsl and enables
 // GL_TEXTURE_CUBE_MAP_SEAMLESS, without which faces' edges show; makes the program current. Returns the next free unit.
 int bind(const GpuDifMap& map, gl::Program& program, int first_unit);
+
+// For the renderer; `map` must outlive it.
+AmbientSource ambient(const GpuDifMap& map);
 
 // The power of two by which `largest`, the greatest magnitude of what is to be kept in half floats, is divided so that
 // it lies within [2^14, 2^15): no overflow, and eleven bits for all down to 2^-28 of it. 1 for 0.

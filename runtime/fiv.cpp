@@ -274,4 +274,16 @@ int bind(const GpuFivTables& fiv, const GpuSh9& unshadowed, gl::Program& program
   return bind_tables(fiv, program, first_unit + 1, params, self);
 }
 
+AmbientSource ambient(const GpuFivTables& fiv, const GpuDifMap& unshadowed, const FivLightParams& params, int self) {
+  return {"#include \"ambient_fiv.glsl\"\n", [&fiv, &unshadowed, params, self](gl::Program& program, int first_unit) {
+            return bind(fiv, unshadowed, program, first_unit, params, self);
+          }};
+}
+
+AmbientSource ambient(const GpuFivTables& fiv, const GpuSh9& unshadowed, const FivLightParams& params, int self) {
+  return {"#include \"ambient_fiv.glsl\"\n", [&fiv, &unshadowed, params, self](gl::Program& program, int first_unit) {
+            return bind(fiv, unshadowed, program, first_unit, params, self);
+          }};
+}
+
 }  // namespace ivory

@@ -62,4 +62,10 @@ int bind(const GpuFivTables& fiv, const GpuDifMap& unshadowed, gl::Program& prog
 int bind(const GpuFivTables& fiv, const GpuSh9& unshadowed, gl::Program& program, int first_unit,
          const FivLightParams& params = {}, int self = -1);
 
+// For the renderer, one for each object with a `self` of its own; the assets must outlive it.
+AmbientSource ambient(const GpuFivTables& fiv, const GpuDifMap& unshadowed, const FivLightParams& params = {},
+                      int self = -1);
+AmbientSource ambient(const GpuFivTables& fiv, const GpuSh9& unshadowed, const FivLightParams& params = {},
+                      int self = -1);
+
 }  // namespace ivory

@@ -75,7 +75,7 @@ struct Texture {
 };
 
 // Textures with one level, filled from `texels` (rows in order, x fastest; null leaves them undefined): bytes for *8
-// formats, floats for all of *f and depth24, rounded to half by the driver where stored so, uint32 for *ui. `what`
+// formats, floats for all of *f and depth24, rounded to nearest half where stored so, uint32 for *ui. `what`
 // names the asset in the Error thrown where the context's limits or its memory do not hold it.
 Texture make_texture_2d(const std::string& what, Format format, int width, int height, const void* texels,
                         Filter filter, Wrap wrap = Wrap::clamp);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cassert>
+#include <vector>
 
 #include <fmt/format.h>
 #include <half.h>
@@ -58,6 +59,29 @@ void require_size(const std::string& what, GLenum limit_name, int largest) {
   }
 }
 
+// What OpenGL is handed over: floats go to halves here, rounded to nearest, as drivers differ (llvmpipe cuts off).
+struct Texels {
+  std::vector<half> halves;
+  const void* data = nullptr;
+  GLenum type = GL_FLOAT;
+};
+
+Texels texels_for(Format format, const void* texels, std::size_t count) {
+  const Layout l = layout(format);
+  Texels out{{}, texels, l.type};
+  std::size_t channels = 0;
+  if (format == Format::r16f) channels = 1;
+  if (format == Format::rg16f) channels = 2;
+  if (format == Format::rgb16f) channels = 3;
+  if (format == Format::rgba16f) channels = 4;
+  if (channels == 0 || texels == nullptr) return out;
+  const auto* floats = static_cast<const float*>(texels);
+  out.halves.assign(floats, floats + count * channels);
+  out.data = out.halves.data();
+  out.type = GL_HALF_FLOAT;
+  return out;
+}
+
 // glGetError() after an upload tells of memory that ran out, in the asset's name.
 void check_memory(const std::string& what, const char* call, std::size_t bytes) {
   const GLenum error = glGetError();
@@ -112,7 +136,8 @@ Texture make_texture_2d(const std::string& what, Format format, int width, int h
   require_size(what, GL_MAX_TEXTURE_SIZE, std::max(width, height));
   Texture texture = begin(format, GL_TEXTURE_2D, {width, height, 1});
   const Layout l = layout(format);
-  glTexImage2D(texture.target, 0, GLint(l.internal_format), width, height, 0, l.format, l.type, texels);
+  const Texels t = texels_for(format, texels, std::size_t(width) * std::size_t(height));
+  glTexImage2D(texture.target, 0, GLint(l.internal_format), width, height, 0, l.format, t.type, t.data);
   check_memory(what, "glTexImage2D", texture.bytes());
   set_sampling(texture, filter, wrap);
   return texture;
@@ -122,7 +147,8 @@ Texture make_texture_3d(const std::string& what, Format format, const V3i& size,
   require_size(what, GL_MAX_3D_TEXTURE_SIZE, std::max({size.x, size.y, size.z}));
   Texture texture = begin(format, GL_TEXTURE_3D, size);
   const Layout l = layout(format);
-  glTexImage3D(texture.target, 0, GLint(l.internal_format), size.x, size.y, size.z, 0, l.format, l.type, texels);
+  const Texels t = texels_for(format, texels, std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z));
+  glTexImage3D(texture.target, 0, GLint(l.internal_format), size.x, size.y, size.z, 0, l.format, t.type, t.data);
   check_memory(what, "glTexImage3D", texture.bytes());
   set_sampling(texture, filter, Wrap::clamp);
   return texture;
@@ -143,14 +169,14 @@ Texture make_texture_cube(const std::string& what, Format format, int size, cons
   require_size(what, GL_MAX_CUBE_MAP_TEXTURE_SIZE, size);
   Texture texture = begin(format, GL_TEXTURE_CUBE_MAP, {size, size, 1});
   const Layout l = layout(format);
-  // What is handed over has 4-byte floats where the texture may have halves.
+  const std::size_t face = std::size_t(size) * std::size_t(size);
+  const Texels t = texels_for(format, texels, 6 * face);
   const std::size_t channels = l.format == GL_RED ? 1 : l.format == GL_RG ? 2 : l.format == GL_RGB ? 3 : 4;
-  const std::size_t face_bytes =
-      (l.type == GL_UNSIGNED_BYTE ? 1 : 4) * channels * std::size_t(size) * std::size_t(size);
-  for (unsigned face = 0; face < 6; ++face) {
-    const auto* from = static_cast<const std::byte*>(texels);
-    glTexImage2D(GL_TEXTURE_CUBE_MAP_POSITIVE_X + face, 0, GLint(l.internal_format), size, size, 0, l.format, l.type,
-                 from == nullptr ? nullptr : from + face * face_bytes);
+  const std::size_t face_bytes = (t.type == GL_UNSIGNED_BYTE ? 1 : t.type == GL_HALF_FLOAT ? 2 : 4) * channels * face;
+  for (unsigned i = 0; i < 6; ++i) {
+    const auto* from = static_cast<const std::byte*>(t.data);
+    glTexImage2D(GL_TEXTURE_CUBE_MAP_POSITIVE_X + i, 0, GLint(l.internal_format), size, size, 0, l.format, t.type,
+                 from == nullptr ? nullptr : from + i * face_bytes);
     check_memory(what, "glTexImage2D", texture.bytes());
   }
   set_sampling(texture, filter, Wrap::clamp);

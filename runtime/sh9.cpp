@@ -16,4 +16,9 @@ int bind(const GpuSh9& sh, gl::Program& program, int first_unit) {
   return first_unit;
 }
 
+AmbientSource ambient(const GpuSh9& sh) {
+  return {"#include \"ambient_sh9.glsl\"\n",
+          [&sh](gl::Program& program, int first_unit) { return bind(sh, program, first_unit); }};
+}
+
 }  // namespace ivory

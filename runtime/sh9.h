@@ -5,6 +5,7 @@
 #include <string>
 
 #include "grid/io_sh9.h"
+#include "runtime/ambient.h"
 #include "runtime/gl.h"
 
 namespace ivory {
@@ -21,5 +22,8 @@ GpuSh9 load_sh9(const std::string& path);
 
 // Sets `ivory_sh9` of shaders/ambient_sh9.glsl; makes the program current. Returns first_unit: no texture is taken.
 int bind(const GpuSh9& sh, gl::Program& program, int first_unit);
+
+// For the renderer; `sh` must outlive it.
+AmbientSource ambient(const GpuSh9& sh);
 
 }  // namespace ivory

@@ -23,7 +23,7 @@ layout(std140) uniform IvoryFivOccluders {
 };
 
 // E in lux at world p for the unit normal n.
-vec3 ivory_ambient(vec3 p, vec3 n) {
+vec3 ivory_ambient(vec3 p, vec3 ng, vec3 n) {
   vec3 unshadowed = ivory_fiv_use_difmap == 1 ? ivory_irradiance(ivory_difmap_e, ivory_difmap_scale, n)
                                               : ivory_irradiance(ivory_sh9, n);
   float allowance = ivory_fiv_negligible * ivory_luminance(unshadowed);

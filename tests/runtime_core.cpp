@@ -55,6 +55,19 @@ TEST_F(RuntimeCore, TextureBeyondTheLimitIsRefused) {
   EXPECT_EQ(live_gl_objects(), before);
 }
 
+// Drivers that cut digits off instead would make twice the error, and all of it to the dark side.
+TEST_F(RuntimeCore, HalvesAreRoundedToNearest) {
+  std::vector<V4f> texels;
+  for (int i = 0; i < 1000; ++i) texels.emplace_back(1 + float(i) * 1e-4F, float(i) * 65.3F, -7.7F - float(i), 1e-5F);
+  const gl::Texture texture =
+      gl::make_texture_2d("halves", gl::Format::rgba16f, 1000, 1, texels.data(), gl::Filter::nearest);
+  std::vector<V4f> stored(texels.size());
+  glGetTexImage(GL_TEXTURE_2D, 0, GL_RGBA, GL_FLOAT, stored.data());
+  for (std::size_t i = 0; i < texels.size(); ++i) {
+    for (unsigned c = 0; c < 4; ++c) ASSERT_EQ(stored[i][c], gl::rounded_to_half(texels[i][c])) << i;
+  }
+}
+
 TEST_F(RuntimeCore, ObjectsAreDeletedWithTheirOwners) {
   const int before = live_gl_objects();
   {

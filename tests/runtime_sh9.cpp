@@ -48,7 +48,7 @@ TEST_F(RuntimeSh9, AgreesWithItsTwin) {
   const GpuSh9 sh = upload(sun_and_sky());
   const std::vector<V4f> e = evaluate_on_gpu(
       "#include \"ambient_sh9.glsl\"\n"
-      "vec4 evaluate(int i) { return vec4(ivory_ambient(vec3(7.0), input0(i).xyz), 1.0); }",
+      "vec4 evaluate(int i) { return vec4(ivory_ambient(vec3(7.0), input0(i).xyz, input0(i).xyz), 1.0); }",
       {normals}, [&](gl::Program& program) { EXPECT_EQ(bind(sh, program, 3), 3); });
   int dark = 0;
   for (std::size_t i = 0; i < normals.size(); ++i) {
