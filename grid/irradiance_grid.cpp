@@ -75,14 +75,18 @@ Footprint make_footprint(const GridFrame& frame, const V3f& p, Interpolation int
   return footprint;
 }
 
+float vertex_trust(float visible_fraction) {
+  constexpr float full_trust = 0.25F;
+  return std::min(1.0F, visible_fraction / full_trust);
+}
+
 float restrict_footprint(const IrradianceGrid& grid, std::uint64_t visible, Footprint& footprint) {
   constexpr float least_weight = 1e-4F;  // below this a renormalised weight is rounding noise
-  constexpr float full_trust = 0.25F;    // a vertex that sees less of its cell knows less of what is around it
   std::array<float, 72> trusted;
   float kept = 0;
   for (std::size_t i = 0; i < std::size_t(footprint.count); ++i) {
     const float fraction = ((visible >> i) & 1U) != 0 ? grid.visible_fraction[footprint.vertex[i]] : 0;
-    trusted[i] = footprint.weight[i] * std::min(1.0F, fraction / full_trust);
+    trusted[i] = footprint.weight[i] * vertex_trust(fraction);
     kept += trusted[i];
   }
   if (kept < least_weight) return 0;

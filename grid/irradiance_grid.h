@@ -79,6 +79,10 @@ struct LookupParams {
 // Footprint of p (world); beyond the outermost vertices the nearest ones are repeated.
 Footprint make_footprint(const GridFrame& frame, const V3f& p, Interpolation interpolation);
 
+// How much a vertex that sees that fraction of its cell counts, 0 to 1: one that sees less than a quarter knows less of
+// what is around it.
+float vertex_trust(float visible_fraction);
+
 // Sets the weights of vertices that store nothing, and of those whose visibility bit is not set (bit i for
 // entry i; all ones for no guard), to zero and renormalises the others. Returns the share of the weight that
 // was kept: 0, and nothing changed, where next to nothing would be left.

@@ -1,0 +1,41 @@
+#include "grid/compact_vectors.h"
+
+#include <cmath>
+
+namespace ivory {
+
+// With the norms a_c = |I_c| kept, the direction d that is best in the least-squares sense minimises
+//   sum_c |I_c - a_c d|^2 = const - 2 d . sum_c a_c I_c   over |d| = 1,   so   d ~ sum_c |I_c| I_c.
+// A luminance-weighted sum of the I_c favours green; measured on baked rooms its error is up to 1.5 times as large.
+std::array<float, 36> compact_from_moments(std::span<const float, 36> moments) {
+  const std::array<float, 54> h = hemispheres_from_moments(moments);
+  std::array<float, 36> out{};
+  for (std::size_t hemisphere = 0; hemisphere < 6; ++hemisphere) {
+    V3f direction(0, 0, 0);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float* v = h.data() + 9 * hemisphere + c;
+      const V3f vector(v[0], v[3], v[6]);
+      const float norm = vector.length();
+      out[3 * hemisphere + c] = norm;
+      direction += vector * norm;
+    }
+    direction.normalize();  // leaves zero as it is
+    for (std::size_t i = 0; i < 3; ++i) out[18 + 3 * hemisphere + i] = direction[unsigned(i)];
+  }
+  return out;
+}
+
+std::array<float, 36> moments_from_compact(std::span<const float, 36> compact) {
+  std::array<float, 54> h{};
+  for (std::size_t hemisphere = 0; hemisphere < 6; ++hemisphere) {
+    const float* d = compact.data() + 18 + 3 * hemisphere;
+    const V3f direction = V3f(d[0], d[1], d[2]).normalized();
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t c = 0; c < 3; ++c)
+        h[9 * hemisphere + 3 * i + c] = direction[unsigned(i)] * compact[3 * hemisphere + c];
+    }
+  }
+  return moments_from_hemispheres(h);
+}
+
+}  // namespace ivory

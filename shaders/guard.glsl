@@ -1,0 +1,29 @@
+// The compact leak guard of a grid's vertex: up to four planes in four words. Twin of grid/guard.cpp.
+
+// One plane from its word (10 + 10 bits octahedral normal, 12 bits distance): unit normal in xyz, distance in voxels in
+// w. A word of zero is no plane; what it unpacks to has no meaning.
+vec4 ivory_guard_unpack(uint word) {
+  float x = float(word & 1023u) / 1023.0 * 2.0 - 1.0;
+  float y = float((word >> 10u) & 1023u) / 1023.0 * 2.0 - 1.0;
+  float z = 1.0 - abs(x) - abs(y);
+  if (z < 0.0) {
+    float folded = (1.0 - abs(y)) * (x < 0.0 ? -1.0 : 1.0);
+    y = (1.0 - abs(x)) * (y < 0.0 ? -1.0 : 1.0);
+    x = folded;
+  }
+  float distance_voxels = (float(word >> 20u) - 1.0) / 4094.0 * 4.0 - 2.0;
+  vec3 n = vec3(x, y, z);
+  return vec4(n * inversesqrt(dot(n, n)), distance_voxels);
+}
+
+float ivory_hidden_by_plane(uint word, vec3 u) {
+  vec4 plane = ivory_guard_unpack(word);
+  return word == 0u ? -3.402823e38 : dot(plane.xyz, u) - plane.w;
+}
+
+// How far, in voxels, the point at offset u (voxels, along the grid's axes) from the vertex lies beyond the plane that
+// hides it most: positive where the vertex does not see it, very negative where no plane is set.
+float ivory_hidden_by(uvec4 record, vec3 u) {
+  return max(max(ivory_hidden_by_plane(record.x, u), ivory_hidden_by_plane(record.y, u)),
+             max(ivory_hidden_by_plane(record.z, u), ivory_hidden_by_plane(record.w, u)));
+}
