@@ -176,4 +176,9 @@ std::string grid_defines(const GpuGrid& grid, const GridReadParams& params) {
       choices.basis, choices.form, choices.guard, choices.interpolation, choices.reconstruction);
 }
 
+AmbientSource ambient(const GpuGrid& grid, const GridReadParams& params) {
+  return {grid_defines(grid, params) + "#include \"ambient_grid.glsl\"\n",
+          [&grid, params](gl::Program& program, int first_unit) { return bind(grid, program, first_unit, params); }};
+}
+
 }  // namespace ivory

@@ -20,6 +20,7 @@
 #include <string>
 
 #include "grid/irradiance_grid.h"
+#include "runtime/ambient.h"
 #include "runtime/gl.h"
 
 namespace ivory {
@@ -66,5 +67,9 @@ int bind(const GpuGrid& grid, gl::Program& program, int first_unit, const GridRe
 // ambient_grid.glsl or irradiance_grid.glsl. Without them the shader reads both from uniforms, which drivers that run
 // both sides of a branch (llvmpipe) pay several times over. A program made so fits grids of that kind only.
 std::string grid_defines(const GpuGrid& grid, const GridReadParams& params = {});
+
+// For objects that the grid lights, wherever they stand: the shader compiled for this kind of grid and look-up. Refers
+// to the grid.
+AmbientSource ambient(const GpuGrid& grid, const GridReadParams& params = {});
 
 }  // namespace ivory

@@ -10,6 +10,3 @@ uniform usampler3D ivory_grid_guard;
 vec3 ivory_ambient(vec3 p, vec3 ng, vec3 n) {
   return ivory_lookup_irradiance(ivory_grid, ivory_grid_volumes, ivory_grid_trust, ivory_grid_guard, p, ng, n);
 }
-
-// The same where only one normal is known.
-vec3 ivory_ambient(vec3 p, vec3 n) { return ivory_ambient(p, n, n); }

@@ -103,7 +103,17 @@ inline TwinIrradiance irradiance_of(const IrradianceGrid& grid, const StoredGrid
     for (std::size_t k = 0; k < stride; ++k)
       out.around = std::max(out.around, trust * std::abs(stored.values[wide.vertex[i] * stride + k]));
   }
-  if (stored.form == GridForm::norms_and_directions) sum = moments_from_compact(sum);
+  if (stored.form == GridForm::norms_and_directions) {
+    // A mean of directions that point apart is short, and what it is off by grows when it is made a unit vector.
+    float shortest = 1;
+    for (std::size_t i = 18; i < 36; i += 3) {
+      const float length = V3f(sum[i], sum[i + 1], sum[i + 2]).length();
+      if (length > 0) shortest = std::min(shortest, length);
+    }
+    out.around /= shortest;
+    out.largest /= shortest;
+    sum = moments_from_compact(sum);
+  }
   out.e = irradiance(grid.basis, reconstruction, sum.data(), grid.frame.direction_to_local(n));
   return out;
 }

@@ -29,7 +29,8 @@ std::vector<Kind> all_kinds() {
 // tenth on a cell's face, every tenth far away; every seventh normal along an axis of the grid or of the world.
 struct Inputs {
   std::vector<V4f> p;
-  std::vector<V4f> n;
+  std::vector<V4f> ng;
+  std::vector<V4f> n;  // the shading normal, up to a half or so off
 };
 Inputs random_inputs(const GridFrame& frame, std::uint32_t seed) {
   std::mt19937 random(seed);
@@ -50,6 +51,7 @@ Inputs random_inputs(const GridFrame& frame, std::uint32_t seed) {
       if (i / 42 % 2 == 0) n = frame.direction_to_world(n);
     }
     inputs.p.push_back(to_v4(frame.to_world(index)));
+    inputs.ng.push_back(to_v4((n + random_direction(random) * 0.5F).normalized()));
     inputs.n.push_back(to_v4(n));
   }
   return inputs;
@@ -58,7 +60,7 @@ Inputs random_inputs(const GridFrame& frame, std::uint32_t seed) {
 std::string source(const std::string& defines) {
   return defines +
          "#include \"ambient_grid.glsl\"\n"
-         "vec4 evaluate(int i) { return vec4(ivory_ambient(input0(i).xyz, input1(i).xyz), 1.0); }\n";
+         "vec4 evaluate(int i) { return vec4(ivory_ambient(input0(i).xyz, input1(i).xyz, input2(i).xyz), 1.0); }\n";
 }
 
 class RuntimeGrid : public GlTest, public testing::WithParamInterface<std::tuple<Interpolation, Guard, bool>> {};
@@ -82,7 +84,7 @@ INSTANTIATE_TEST_SUITE_P(Lookups, RuntimeGrid,
 void expect_equal(const IrradianceGrid& grid, const GpuGrid& gpu, const GridReadParams& params, const Inputs& inputs,
                   const std::string& defines, double most_loose, const std::string& what) {
   const StoredGrid stored(grid, gpu);
-  const std::vector<V4f> result = evaluate_on_gpu(source(defines), {inputs.p, inputs.n},
+  const std::vector<V4f> result = evaluate_on_gpu(source(defines), {inputs.p, inputs.ng, inputs.n},
                                                   [&](gl::Program& program) { bind(gpu, program, 0, params); });
   const V3i extent = gpu.volumes.size;
   const float voxel_error = float(std::max({extent.x, extent.y, extent.z})) * 0x1p-23F + 1e-6F;
@@ -92,13 +94,14 @@ void expect_equal(const IrradianceGrid& grid, const GpuGrid& gpu, const GridRead
   for (std::size_t i = 0; i < inputs.p.size(); ++i) {
     const V3f p = xyz(inputs.p[i]);
     const V3f n = xyz(inputs.n[i]);
-    const V3f nudged = p + n * nudge_m(grid.frame, params.lookup);
+    const V3f ng = xyz(inputs.ng[i]);
+    const V3f nudged = p + ng * nudge_m(grid.frame, params.lookup);
     const LookupMargin at = margin(grid, params.guard, nudged, params.lookup.interpolation);
     if (at.undecided) {
       ++undecided;
       continue;
     }
-    const Footprint footprint = lookup_footprint(grid, params.guard, p, n, params.lookup);
+    const Footprint footprint = lookup_footprint(grid, params.guard, p, ng, params.lookup);
     const TwinIrradiance twin = irradiance_of(grid, stored, nudged, footprint, n, params.lookup.reconstruction);
     for (unsigned c = 0; c < 3; ++c) {
       const float tolerance =

@@ -56,11 +56,11 @@ TEST_F(RuntimeGridFile, BakedGridsLoseHalfRoundingOnly) {
     }
     for (const Guard guard : {Guard::off, Guard::planes}) {
       const GridReadParams params{{}, guard};
-      const std::vector<V4f> result =
-          evaluate_on_gpu(grid_defines(gpu, params) +
-                              "#include \"ambient_grid.glsl\"\n"
-                              "vec4 evaluate(int i) { return vec4(ivory_ambient(input0(i).xyz, input1(i).xyz), 1.0); }",
-                          {p, n}, [&](gl::Program& program) { bind(gpu, program, 0, params); });
+      const std::vector<V4f> result = evaluate_on_gpu(
+          grid_defines(gpu, params) +
+              "#include \"ambient_grid.glsl\"\n"
+              "vec4 evaluate(int i) { return vec4(ivory_ambient(input0(i).xyz, input1(i).xyz, input1(i).xyz), 1.0); }",
+          {p, n}, [&](gl::Program& program) { bind(gpu, program, 0, params); });
       double squares = 0;
       double difference_squares = 0;
       int undecided = 0;
@@ -152,7 +152,7 @@ TEST_F(RuntimeGridFile, LongGridsFitByArrangement) {
   const GridReadParams params{{Interpolation::trilinear, Reconstruction::optimal, 0}, Guard::off};
   const std::vector<V4f> result = evaluate_on_gpu(
       "#include \"ambient_grid.glsl\"\n"
-      "vec4 evaluate(int i) { return vec4(ivory_ambient(input0(i).xyz, vec3(0.6, 0.0, 0.8)), 1.0); }",
+      "vec4 evaluate(int i) { return vec4(ivory_ambient(input0(i).xyz, vec3(0.0), vec3(0.6, 0.0, 0.8)), 1.0); }",
       {p}, [&](gl::Program& program) { bind(gpu, program, 0, params); });
   int compared = 0;
   for (std::size_t i = 0; i < p.size(); ++i) {
