@@ -15,13 +15,15 @@
 //
 //   2 pi L(u) + sum over the edges that cross the horizon of +- phi jump,
 //
-// u where phi jumps from pi to -pi. L(u) needs no search either: the ray from p back through the reference point o,
-// which sees the whole shell, meets the shell in one texel A alone. The frame is turned so that this direction d has
-// azimuth pi, and L(u) = L(A) + the jumps across the arc from d to u. Radiances that are all the same leave 2 pi L.
+// u where phi jumps from pi to -pi. L(u) needs no search either: the ray from the reference point through the receiver
+// meets the shell once, in a texel A behind the receiver. The frame is turned so that the direction d from the receiver
+// to that point has azimuth pi, and L(u) = L(A) + the jumps across the arc from d to u. Radiances that are all the same
+// leave 2 pi L.
 //
-// The decisions must agree with each other where rounding decides: those at u, of an edge between both sides of
-// u and above and below it, are made by the sign of one determinant. Those at d are far from an edge, because d is
-// moved into the inner part of A: the line from p then misses o by a fraction of a texel.
+// The decisions must agree with each other where rounding decides: those at u, of an edge between both sides of u and
+// above and below it, are made by the sign of one determinant. Those at d are far from an edge, because d is turned
+// into the inner part of A, by a fraction of a texel as the receiver sees it; so turned, the ray from the receiver
+// meets no other texel either.
 
 namespace ivory {
 
@@ -38,9 +40,14 @@ constexpr std::array<int, 4> outline{0, 1, 3, 2};  // corners counter-clockwise 
 // 1/128 of a texel is a hundred times and more what rounding moves directions by.
 constexpr float inner_part = 1.0F / 128;
 
+float depth_in(const TexelCorners& v, float right, float down) {
+  return right > down ? v[0] + right * (v[1] - v[0]) + down * (v[3] - v[1])
+                      : v[0] + down * (v[2] - v[0]) + right * (v[3] - v[2]);
+}
+
 float largest(const V3f& a) { return std::max(std::abs(a.x), std::max(std::abs(a.y), std::abs(a.z))); }
 
-// The texel that the ray from `offset` back through the reference point meets, and the direction of that ray.
+// The texel that the ray from the reference point through `offset` meets, and a direction into it from there.
 struct Anchor {
   std::size_t texel = 0;
   V3f d;
@@ -48,25 +55,25 @@ struct Anchor {
 
 Anchor make_anchor(const LocalizedCube& cube, const V3f& offset) {
   const int size = cube.radiance.size;
-  const CubePosition at = cube_position(-offset);
-  const auto inner = [size](float coordinate, int& index) {
-    const float x = 0.5F * (coordinate + 1) * float(size);
-    index = std::clamp(int(x), 0, size - 1);
-    return std::clamp(x - float(index), inner_part, 1 - inner_part);
-  };
-  int column = 0;
-  int row = 0;
-  const float right = inner(at.s, column);
-  const float down = inner(at.t, row);
+  const CubePosition at = cube_position(offset);
+  const float x = 0.5F * (at.s + 1) * float(size);
+  const float y = 0.5F * (at.t + 1) * float(size);
+  const int column = std::clamp(int(x), 0, size - 1);
+  const int row = std::clamp(int(y), 0, size - 1);
+  float right = std::clamp(x - float(column), 0.0F, 1.0F);
+  float down = std::clamp(y - float(row), 0.0F, 1.0F);
   Anchor anchor;
   anchor.texel = cube_index(size, at.face, row, column);
   const TexelCorners& v = cube.corners[anchor.texel];
-  const float depth = right > down ? v[0] + right * (v[1] - v[0]) + down * (v[3] - v[1])
-                                   : v[0] + down * (v[2] - v[0]) + right * (v[3] - v[2]);
+  // The nearer the shell, the less it takes to turn: 1 - share is the way left to it.
+  const float share = largest(offset) * depth_in(v, right, down);
+  const float inner = inner_part * std::clamp(1 - share, 1e-3F, 1.0F);
+  right = std::clamp(right, inner, 1 - inner);
+  down = std::clamp(down, inner, 1 - inner);
   const CubeFaceAxes& axes = cube_face_axes(at.face);
   const float s = 2 * (float(column) + right) / float(size) - 1;
   const float t = 2 * (float(row) + down) / float(size) - 1;
-  anchor.d = axes.forward + axes.right * s + axes.down * t - offset * depth;
+  anchor.d = axes.forward + axes.right * s + axes.down * t - offset * depth_in(v, right, down);
   anchor.d *= 1 / largest(anchor.d);
   anchor.d.normalize();
   return anchor;
@@ -98,7 +105,8 @@ Frame make_frame(const V3f& n, const V3f& d) {
 }
 
 // What an edge from unit a to unit b, in the frame, contributes to 2 E per jump.
-inline float edge_weight(const V3f& a, const V3f& b, float across, float up) {
+// a_over and b_over are how far they lie over d, as sines.
+inline float edge_weight(const V3f& a, float a_over, const V3f& b, float b_over, bool d_above) {
   const bool a_above = a.z >= 0;
   const bool b_above = b.z >= 0;
   const float rising = a_above ? -1.0F : 1.0F;
@@ -146,8 +154,8 @@ inline float edge_weight(const V3f& a, const V3f& b, float across, float up) {
   const float horizon = over_horizon ? det_sign * fast_angle(std::abs(hy), hx) : 0.0F;
 
   // Does it cross the arc of the meridian between d and the horizon?
-  const float side = up >= 0 ? -from : from;
-  const float beyond = side * (det * across - (a.x * b.y - b.x * a.y) * up);
+  const float side = d_above ? -from : from;
+  const float beyond = side * (a.y * b_over - b.y * a_over);
   const bool crosses_arc = over_meridian && side * det_sign < 0 && beyond > 0;
   return term + horizon + (crosses_arc ? 2 * pi * side : 0.0F);
 }
@@ -252,6 +260,7 @@ Rgb polygon_irradiance(const LocalizedCube& cube, const CubeEdges& edges, const 
   std::array<float, block + 1> x;
   std::array<float, block + 1> y;
   std::array<float, block + 1> z;
+  std::array<float, block + 1> over;
   std::array<float, block> weight;
   Rgb sum(0, 0, 0);
   for (std::size_t first = 0; first < edges.steps(); first += block) {
@@ -259,6 +268,7 @@ Rgb polygon_irradiance(const LocalizedCube& cube, const CubeEdges& edges, const 
     x[0] = x[block];
     y[0] = y[block];
     z[0] = z[block];
+    over[0] = over[block];
     const float* q_x = edges.q_x.data() + first;
     const float* q_y = edges.q_y.data() + first;
     const float* q_z = edges.q_z.data() + first;
@@ -271,20 +281,28 @@ Rgb polygon_irradiance(const LocalizedCube& cube, const CubeEdges& edges, const 
       x[i + 1] = rx * inverse;
       y[i + 1] = ry * inverse;
       z[i + 1] = rz * inverse;
+      over[i + 1] = x[i + 1] * frame.up + z[i + 1] * frame.across;
     }
     if (first == 0) {
       x[0] = x[1];
       y[0] = y[1];
       z[0] = z[1];
+      over[0] = over[1];
     }
     for (std::size_t i = 0; i < count; ++i)
-      weight[i] = edge_weight({x[i], y[i], z[i]}, {x[i + 1], y[i + 1], z[i + 1]}, frame.across, frame.up);
+      weight[i] = edge_weight({x[i], y[i], z[i]}, over[i], {x[i + 1], y[i + 1], z[i + 1]}, over[i + 1], frame.up >= 0);
     for (std::size_t i = 0; i < count; ++i) sum += edges.jump[first + i] * weight[i];
   }
   const Rgb e = cube.radiance.texels[anchor.texel] * pi + sum * 0.5F;
   Rgb result;
   for (int c = 0; c < 3; ++c) result[c] = std::clamp(e[c], 0.0F, pi * edges.brightest[c]);
   return result;
+}
+
+Rgb irradiance(const LocalizedCube& cube, const CubeEdges& edges, CubeMethod method, const V3f& p, const V3f& n) {
+  if (method == CubeMethod::polygon) return polygon_irradiance(cube, edges, p, n);
+  if (method == CubeMethod::convolved) return polygon_irradiance(cube, edges, cube.origin_m, n);
+  return irradiance(cube, method, p, n);
 }
 
 }  // namespace ivory

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <time.h>
 
+#include "grid/cube_edges.h"
 #include "grid/io_localized_cube.h"
 #include "tools/commands.h"
 #include "tools/common.h"
@@ -83,13 +84,14 @@ void run(const std::vector<std::string>& paths, const CommonOptions& common) {
     const int size = cube.radiance.size;
     const std::vector<Point> points = make_points(cube, std::max(10, 100'000 / (size * size)));
     nlohmann::ordered_json map{{"file", path}, {"size", size}};
+    const CubeEdges edges = make_cube_edges(cube);
     const CubeMap convolved = convolve(cube);
     const double lookup = evaluation_ns(points, [&](const Point& point) { return bilinear(convolved, point.n); });
     map["convolved_ns"] = lookup;
     text += fmt::format("{}: 6x{}x{} texels, convolved {:.0f} ns,", path, size, size, lookup);
     for (const CubeMethod method : methods) {
       const double ns =
-          evaluation_ns(points, [&](const Point& point) { return irradiance(cube, method, point.p, point.n); });
+          evaluation_ns(points, [&](const Point& point) { return irradiance(cube, edges, method, point.p, point.n); });
       map[std::string(name(method)) + "_ns"] = ns;
       text += fmt::format(" {} {:.0f} ns{}", name(method), ns, method == methods.back() ? "\n" : ",");
     }

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
+#include "grid/cube_edges.h"
 #include "grid/error.h"
 #include "grid/io_exr.h"
 #include "grid/io_localized_cube.h"
@@ -20,11 +21,12 @@ ProbeEstimates probe_cubemap(CubeMethod method, const ProbeRequest& request) {
     throw UsageError("--indirect-only: a cube map holds all light that it saw and cannot leave out any");
   const PointsTable& table = request.table;
   const LocalizedCube cube = read_localized_cube(request.source);
+  const CubeEdges edges = make_cube_edges(cube);
   ProbeEstimates out;
   out.e.resize(table.p.size());
   out.standard_error.resize(table.p.size(), Rgb(0, 0, 0));  // of the look-up alone: it is exact
   tbb::parallel_for(std::size_t(0), table.p.size(),
-                    [&](std::size_t i) { out.e[i] = irradiance(cube, method, table.p[i], table.n[i]); });
+                    [&](std::size_t i) { out.e[i] = irradiance(cube, edges, method, table.p[i], table.n[i]); });
   const auto outside = std::count_if(table.p.begin(), table.p.end(), [&](const V3f& p) {
     const V3f offset = p - cube.origin_m;
     return inside_shell(cube, offset) != offset;
