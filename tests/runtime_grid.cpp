@@ -42,7 +42,8 @@ Inputs random_inputs(const GridFrame& frame, std::uint32_t seed) {
       index[axis] = uniform(random) * float(frame.size[axis] + 2) - 1.5F;
       if (i % 10 == 3 || (i % 10 == 5 && axis == i / 10 % 3))
         index[axis] = std::floor(uniform(random) * float(frame.size[axis]));
-      if (i % 10 == 7) index[axis] = (uniform(random) - 0.5F) * 1e6F;
+      // So far that float's steps matter inside the grid, and so never inside it.
+      if (i % 10 == 7) index[axis] = (uniform(random) < 0.5F ? -1.0F : 1.0F) * (1e3F + uniform(random) * 1e6F);
     }
     V3f n = random_direction(random);
     if (i % 7 == 0) {
