@@ -26,5 +26,6 @@ void add_bench_command(CLI::App& app, CommonOptions& common);
 void add_bench_cubemap_command(CLI::App& bench, CommonOptions& common);
 void add_bench_fiv_command(CLI::App& bench, CommonOptions& common);
 void add_bench_sh9_command(CLI::App& bench, CommonOptions& common);
+void add_bench_stability_command(CLI::App& bench, CommonOptions& common);
 
 }  // namespace ivory

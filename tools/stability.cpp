@@ -1,0 +1,21 @@
+#include "tools/stability.h"
+
+#include "grid/error.h"
+
+namespace ivory {
+
+std::vector<StabilityCase> stability_cases() {
+  std::vector<StabilityCase> all;
+  for (const auto& cases : {stability_grid_cases(), stability_wall_cases()})
+    all.insert(all.end(), cases.begin(), cases.end());
+  return all;
+}
+
+StabilityCase stability_case(std::string_view name) {
+  for (const StabilityCase& known : stability_cases()) {
+    if (known.name == name) return known;
+  }
+  throw UsageError("unknown stability case '" + std::string(name) + "'; --list names them");
+}
+
+}  // namespace ivory

@@ -1,0 +1,97 @@
+#include "tools/stability_scenes.h"
+
+#include <cmath>
+
+namespace ivory {
+
+StabilityWorld::StabilityWorld(Scene&& described) : scene(std::make_unique<Scene>(std::move(described))) {
+  intersector = std::make_unique<Intersector>(*scene);
+  lights = std::make_unique<Lights>(*scene, *intersector);
+}
+
+Scene make_chambers(const Chambers& c) {
+  Scene scene;
+  scene.name = "two chambers";
+  const int lit = add_lambert(scene, Rgb(0.5F, 0.5F, 0.5F), Rgb(1, 1, 1));
+  const int dark = add_lambert(scene, Rgb(0.5F, 0.5F, 0.5F));
+  const float h = c.side_m / 2;
+  add_mesh(scene, make_room(V3f(-h, -h, -h), V3f(c.wall_x_m - c.thickness_m / 2, h, h), lit), c.to_world);
+  add_mesh(scene, make_room(V3f(c.wall_x_m + c.thickness_m / 2, -h, -h), V3f(h, h, h), dark), c.to_world);
+  return scene;
+}
+
+namespace {
+
+std::vector<ProbePoint> wall_points(const Chambers& c, int count, float x, const V3f& normal) {
+  std::vector<ProbePoint> points;
+  V3f n;
+  c.to_world.multDirMatrix(normal, n);
+  n.normalize();
+  for (int i = 0; i < count; ++i) {
+    for (int j = 0; j < count; ++j) {
+      // In steps that are no fraction of a voxel's.
+      const float y = (float(i) + 0.437F) / float(count) - 0.5F;
+      const float z = (float(j) + 0.561F) / float(count) - 0.5F;
+      points.push_back({V3f(x, 0.98F * c.side_m * y, 0.98F * c.side_m * z) * c.to_world, n});
+    }
+  }
+  return points;
+}
+
+}  // namespace
+
+std::vector<ProbePoint> lit_wall_points(const Chambers& c, int count) {
+  return wall_points(c, count, c.wall_x_m - c.thickness_m / 2, V3f(-1, 0, 0));
+}
+
+std::vector<ProbePoint> dark_wall_points(const Chambers& c, int count) {
+  return wall_points(c, count, c.wall_x_m + c.thickness_m / 2, V3f(1, 0, 0));
+}
+
+double mean_share(const StabilityWorld& world, const IrradianceGrid& grid, Guard guard,
+                  const std::vector<ProbePoint>& points) {
+  double sum = 0;
+  for (const ProbePoint& at : points)
+    sum += double(lookup_irradiance(grid, world.intersector.get(), guard, at.p, at.n, at.n, {}).x);
+  return sum / double(points.size()) / double(chamber_irradiance);
+}
+
+IrradianceGrid bake_all_light(const StabilityWorld& world, GridBakeParams params) {
+  params.include_direct = true;
+  return finish(bake_grid_sums(*world.intersector, *world.lights, params));
+}
+
+Mesh make_inward_sphere(int subdivisions, int material) {
+  Mesh mesh;
+  mesh.material = material;
+  mesh.positions = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  mesh.triangles = {{0, 4, 2}, {2, 4, 1}, {1, 4, 3}, {3, 4, 0}, {2, 5, 0}, {1, 5, 2}, {3, 5, 1}, {0, 5, 3}};
+  for (int level = 0; level < subdivisions; ++level) {
+    std::vector<Imath::Vec3<std::uint32_t>> finer;
+    for (const auto& t : mesh.triangles) {
+      const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+        mesh.positions.push_back((mesh.positions[a] + mesh.positions[b]).normalized());
+        return static_cast<std::uint32_t>(mesh.positions.size() - 1);
+      };
+      const std::uint32_t ab = middle(t.x, t.y);
+      const std::uint32_t bc = middle(t.y, t.z);
+      const std::uint32_t ca = middle(t.z, t.x);
+      for (const auto& child : {Imath::Vec3<std::uint32_t>(t.x, ab, ca), Imath::Vec3<std::uint32_t>(ab, t.y, bc),
+                                Imath::Vec3<std::uint32_t>(ca, bc, t.z), Imath::Vec3<std::uint32_t>(ab, bc, ca)})
+        finer.push_back(child);
+    }
+    mesh.triangles = finer;
+  }
+  return mesh;
+}
+
+double surface_area_m2(const Mesh& mesh) {
+  double area = 0;
+  for (const auto& t : mesh.triangles) {
+    const V3d a(mesh.positions[t.x]);
+    area += (V3d(mesh.positions[t.y]) - a).cross(V3d(mesh.positions[t.z]) - a).length() / 2;
+  }
+  return area;
+}
+
+}  // namespace ivory
