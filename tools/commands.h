@@ -20,6 +20,7 @@ void add_merge_command(CLI::App& app, CommonOptions& common);
 void add_render_command(CLI::App& app, CommonOptions& common);
 void add_probe_command(CLI::App& app, CommonOptions& common);
 void add_compare_command(CLI::App& app, CommonOptions& common);
+void add_view_command(CLI::App& app, CommonOptions& common);
 void add_info_command(CLI::App& app, CommonOptions& common);
 void add_bench_command(CLI::App& app, CommonOptions& common);
 // `bench` is the `ivory bench` command.

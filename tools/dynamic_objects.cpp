@@ -78,20 +78,14 @@ void append(Scene& scene, Scene object, const V3f& translation) {
   move(scene.sphere_lights, object.sphere_lights);
 }
 
-struct ObjectFile {
-  std::string path;
-  V3f translation{0, 0, 0};
-};
+}  // namespace
 
-// Nothing for the name of a node.
 std::optional<ObjectFile> parse_object(const std::string& text) {
   if (is_scene_name(text)) return ObjectFile{text, V3f(0, 0, 0)};
   const std::size_t at = text.rfind('@');
   if (at == std::string::npos || !is_scene_name(text.substr(0, at))) return std::nullopt;
   return ObjectFile{text.substr(0, at), parse_vector3("--object", text.substr(at + 1))};
 }
-
-}  // namespace
 
 std::vector<bool> place_objects(Scene& scene, const std::vector<std::string>& objects, const CommonOptions& common) {
   std::vector<bool> is_object(scene.instances.size(), false);
@@ -124,8 +118,9 @@ std::vector<bool> instances_below(const Scene& scene, int node) {
   return found;
 }
 
-void remove_node(Scene& scene, const std::string& name) {
-  const std::vector<bool> found = instances_below(scene, name);
+namespace {
+
+void remove_instances(Scene& scene, const std::vector<bool>& found) {
   std::vector<Instance> kept;
   std::vector<SphereLight> kept_lights;
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -139,6 +134,51 @@ void remove_node(Scene& scene, const std::string& name) {
   }
   scene.instances = std::move(kept);
   scene.sphere_lights = std::move(kept_lights);
+}
+
+// Meshes that nothing places, and images that no material of the others shows, lose what takes memory.
+void empty_unused(Scene& scene) {
+  std::vector<bool> mesh_used(scene.meshes.size(), false);
+  for (const Instance& instance : scene.instances) mesh_used[std::size_t(instance.mesh)] = true;
+  std::vector<bool> image_used(scene.images.size(), false);
+  for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
+    const int material = scene.meshes[i].material;
+    if (!mesh_used[i]) {
+      scene.meshes[i] = Mesh{};
+      scene.meshes[i].material = material;
+      continue;
+    }
+    const Material& m = scene.materials[std::size_t(material)];
+    for (const TextureUse* use : {&m.base_color_texture, &m.metallic_roughness_texture, &m.specular_texture,
+                                  &m.specular_color_texture, &m.emission_texture, &m.normal_texture}) {
+      if (use->texture == no_index) continue;
+      const int image = scene.textures[std::size_t(use->texture)].image;
+      if (image != no_index) image_used[std::size_t(image)] = true;
+    }
+  }
+  for (std::size_t i = 0; i < scene.images.size(); ++i) {
+    if (!image_used[i]) scene.images[i] = Image{};
+  }
+}
+
+}  // namespace
+
+void remove_node(Scene& scene, const std::string& name) { remove_instances(scene, instances_below(scene, name)); }
+
+Scene take_node(Scene& scene, const std::string& name) {
+  const std::vector<bool> found = instances_below(scene, name);
+  std::vector<bool> others(found);
+  others.flip();
+  Scene taken = scene;
+  taken.name = name;
+  remove_instances(taken, others);
+  taken.lights.clear();
+  taken.cameras.clear();
+  taken.environment.reset();
+  remove_instances(scene, found);
+  empty_unused(taken);
+  empty_unused(scene);
+  return taken;
 }
 
 }  // namespace ivory

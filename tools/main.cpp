@@ -55,6 +55,7 @@ int run(int argc, char** argv) {
   ivory::add_merge_command(app, common);
   ivory::add_probe_command(app, common);
   ivory::add_render_command(app, common);
+  ivory::add_view_command(app, common);
   ivory::add_compare_command(app, common);
   ivory::add_info_command(app, common);
   ivory::add_bench_command(app, common);

@@ -70,32 +70,45 @@ bool is_linear_image(const std::string& path) {
   return false;
 }
 
-void write_image(const std::string& path, const Film& film, float exposure_stops, const Metadata& metadata,
-                 bool force) {
+namespace {
+
+// Three channels from `pixels`, whose values are of the type `from`.
+void write_pixels(const std::string& path, int width, int height, OIIO::TypeDesc from, const void* pixels,
+                  const Metadata& metadata, bool force) {
   PendingFile pending(path, force);
   const std::unique_ptr<OIIO::ImageOutput> output = create_output(path);
   const bool linear = is_linear_image(path);
-  OIIO::ImageSpec spec(film.width, film.height, 3, linear ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8);
+  OIIO::ImageSpec spec(width, height, 3, linear ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8);
   spec.attribute("oiio:ColorSpace", linear ? "linear" : "sRGB");
   if (lower_extension(path) == ".exr") spec.attribute("compression", "zip");
   // OpenImageIO would store the time of day: the same command is to give the same bytes.
   spec.attribute("DateTime", "");
   add_metadata(spec, metadata);
-
-  std::vector<float> display;
-  const float* data = &film.pixels.front().x;
-  if (!linear) {
-    const float scale = std::exp2(exposure_stops);
-    display.reserve(film.pixels.size() * 3);
-    for (const Rgb& pixel : film.pixels) {
-      const Rgb mapped = tone_map(pixel * scale);
-      for (int c = 0; c < 3; ++c) display.push_back(srgb_from_linear(std::clamp(mapped[c], 0.0F, 1.0F)));
-    }
-    data = display.data();
-  }
-  if (!output->open(pending.temporary(), spec) || !output->write_image(OIIO::TypeDesc::FLOAT, data) || !output->close())
+  if (!output->open(pending.temporary(), spec) || !output->write_image(from, pixels) || !output->close())
     throw Error(path, "cannot be written (" + output->geterror() + ")", "check the disk and the extension");
   pending.commit();
+}
+
+}  // namespace
+
+void write_image(const std::string& path, const Film& film, float exposure_stops, const Metadata& metadata,
+                 bool force) {
+  if (is_linear_image(path)) {
+    write_pixels(path, film.width, film.height, OIIO::TypeDesc::FLOAT, &film.pixels.front().x, metadata, force);
+    return;
+  }
+  std::vector<float> display;
+  const float scale = std::exp2(exposure_stops);
+  display.reserve(film.pixels.size() * 3);
+  for (const Rgb& pixel : film.pixels) {
+    const Rgb mapped = tone_map(pixel * scale);
+    for (int c = 0; c < 3; ++c) display.push_back(srgb_from_linear(std::clamp(mapped[c], 0.0F, 1.0F)));
+  }
+  write_pixels(path, film.width, film.height, OIIO::TypeDesc::FLOAT, display.data(), metadata, force);
+}
+
+void write_display_image(const std::string& path, const DisplayImage& image, const Metadata& metadata, bool force) {
+  write_pixels(path, image.width, image.height, OIIO::TypeDesc::UINT8, image.rgb.data(), metadata, force);
 }
 
 Film read_image(const std::string& path) {

@@ -1,8 +1,10 @@
 // Films to image files and back, through OpenImageIO.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "grid/metadata.h"
 #include "tracer/film.h"
@@ -20,6 +22,16 @@ void check_image_name(const std::string& path);
 // becomes an attribute "ivory:<name>" where the format keeps attributes. Whole or not at all; throws Error where
 // the file exists and not `force`, cannot be written, or its format is unknown.
 void write_image(const std::string& path, const Film& film, float exposure_stops, const Metadata& metadata, bool force);
+
+// 8-bit display values, sRGB.
+struct DisplayImage {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgb;  // height x width x 3, top row first
+};
+
+// Writes them as they are, to a name that is_linear_image() is false for. Throws as write_image() does.
+void write_display_image(const std::string& path, const DisplayImage& image, const Metadata& metadata, bool force);
 
 // The first three channels as they are in the file (display images are not linearised), one channel
 // as grey. Throws Error for unreadable files and values that are not finite.

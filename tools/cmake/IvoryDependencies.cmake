@@ -9,6 +9,8 @@ find_package(nanoflann CONFIG REQUIRED)
 find_package(ZLIB REQUIRED)
 pkg_check_modules(draco REQUIRED IMPORTED_TARGET draco)
 pkg_check_modules(egl REQUIRED IMPORTED_TARGET egl)
+pkg_check_modules(imgui REQUIRED IMPORTED_TARGET imgui)
+find_package(glfw3 CONFIG REQUIRED)
 
 # Random123 is headers only and ships no CMake package.
 find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)

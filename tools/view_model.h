@@ -1,0 +1,37 @@
+// A scene's meshes, textures and materials as the runtime draws them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "runtime/material.h"
+#include "runtime/mesh.h"
+#include "runtime/punctual_light.h"
+#include "tracer/scene.h"
+
+namespace ivory {
+
+struct ModelPart {
+  std::size_t mesh = 0;
+  std::size_t material = 0;
+  M44f to_world;
+};
+
+// Materials point to textures: the model moves, its textures stay where they are.
+struct GpuModel {
+  std::vector<GpuMesh> meshes;
+  std::vector<gl::Texture> textures;
+  std::vector<SurfaceMaterial> materials;
+  std::vector<ModelPart> parts;
+  std::vector<std::string> left_out;  // one line each: what the picture lacks
+
+  std::size_t bytes() const;
+};
+
+// Only what the instances show. Throws Error where OpenGL has no room for it.
+GpuModel upload(const Scene& scene);
+
+// The scene's point, spot and directional lights; its other lights give none of them.
+std::vector<RuntimeLight> runtime_lights(const Scene& scene);
+
+}  // namespace ivory
