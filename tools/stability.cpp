@@ -6,7 +6,8 @@ namespace ivory {
 
 std::vector<StabilityCase> stability_cases() {
   std::vector<StabilityCase> all;
-  for (const auto& cases : {stability_grid_cases(), stability_wall_cases()})
+  for (const auto& cases :
+       {stability_grid_cases(), stability_wall_cases(), stability_light_cases(), stability_range_cases()})
     all.insert(all.end(), cases.begin(), cases.end());
   return all;
 }

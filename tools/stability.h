@@ -41,5 +41,7 @@ StabilityCase stability_case(std::string_view name);
 // By subject, for stability_cases().
 std::vector<StabilityCase> stability_grid_cases();
 std::vector<StabilityCase> stability_wall_cases();
+std::vector<StabilityCase> stability_light_cases();
+std::vector<StabilityCase> stability_range_cases();
 
 }  // namespace ivory

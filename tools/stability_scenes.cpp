@@ -94,4 +94,16 @@ double surface_area_m2(const Mesh& mesh) {
   return area;
 }
 
+double polygon_irradiance(const std::vector<V3d>& corners, const V3d& p, const V3d& n) {
+  double sum = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const V3d a = corners[i] - p;
+    const V3d b = corners[(i + 1) % corners.size()] - p;
+    const V3d c = a.cross(b);
+    const double length = c.length();
+    if (length > 0) sum += std::atan2(length, a.dot(b)) * c.dot(n) / length;
+  }
+  return std::abs(sum) / 2;
+}
+
 }  // namespace ivory

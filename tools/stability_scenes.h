@@ -47,4 +47,8 @@ IrradianceGrid bake_all_light(const StabilityWorld& world, GridBakeParams params
 Mesh make_inward_sphere(int subdivisions, int material);
 double surface_area_m2(const Mesh& mesh);
 
+// E at p with normal n from a polygon of radiance 1 that is above p's horizon as a whole (Lambert's formula);
+// whichever way its corners run.
+double polygon_irradiance(const std::vector<V3d>& corners, const V3d& p, const V3d& n);
+
 }  // namespace ivory

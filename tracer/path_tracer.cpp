@@ -17,8 +17,10 @@ namespace {
 
 // Bounces before Russian roulette may end a path: most of an image's light has bounced less.
 constexpr int roulette_after = 3;
-// Paths between perfectly white walls would never end.
-constexpr float most_survival = 0.97F;
+// Paths between perfectly white walls would never end. With s the most survival and albedo rho > s, a path of k
+// bounces weighs (rho / s)^k and happens s^k of the time: its square's mean (rho^2 / s)^k must not grow with k, so s has
+// to lie above the square of the whitest closed room's albedo, here 0.9995.
+constexpr float most_survival = 0.999F;
 
 }  // namespace
 
