@@ -25,17 +25,28 @@ std::array<float, 36> compact_from_moments(std::span<const float, 36> moments) {
   return out;
 }
 
-std::array<float, 36> moments_from_compact(std::span<const float, 36> compact) {
-  std::array<float, 54> h{};
-  for (std::size_t hemisphere = 0; hemisphere < 6; ++hemisphere) {
-    const float* d = compact.data() + 18 + 3 * hemisphere;
-    const V3f direction = V3f(d[0], d[1], d[2]).normalized();
+std::array<float, 36> moments_from_compact(std::span<const float, 36> compact, const V3f& n) {
+  std::array<float, 36> out{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t plus = 2 * axis;
+    const std::size_t minus = plus + 1;
+    const auto direction = [&](std::size_t hemisphere) {
+      const float* d = compact.data() + 18 + 3 * hemisphere;
+      return V3f(d[0], d[1], d[2]).normalized();
+    };
+    const V3f d_plus = direction(plus);
+    const V3f d_minus = direction(minus);
+    const float weight = n[unsigned(axis)] * n[unsigned(axis)];
     for (std::size_t i = 0; i < 3; ++i) {
-      for (std::size_t c = 0; c < 3; ++c)
-        h[9 * hemisphere + 3 * i + c] = direction[unsigned(i)] * compact[3 * hemisphere + c];
+      for (std::size_t c = 0; c < 3; ++c) {
+        const float i_plus = d_plus[unsigned(i)] * compact[3 * plus + c];
+        const float i_minus = d_minus[unsigned(i)] * compact[3 * minus + c];
+        out[3 * i + c] += weight * (i_plus + i_minus);
+        out[9 * (axis + 1) + 3 * i + c] = i_plus - i_minus;
+      }
     }
   }
-  return moments_from_hemispheres(h);
+  return out;
 }
 
 }  // namespace ivory

@@ -136,15 +136,16 @@ mat3 ivory_hemisphere_from_compact(vec3 norms, vec3 direction) {
   return mat3(norms * d.x, norms * d.y, norms * d.z);
 }
 
-// In place: six norms and six directions become the twelve moments of the basis vectors.
-void ivory_moments_from_compact(inout vec3 m[12]) {
+// In place: six norms and six directions become the twelve moments of the basis vectors, to be read at the unit normal
+// n. Each axis states the full vector F anew; n_i^2 weighs them.
+void ivory_moments_from_compact(inout vec3 m[12], vec3 n) {
   mat3 px = ivory_hemisphere_from_compact(m[0], m[6]);
   mat3 mx = ivory_hemisphere_from_compact(m[1], m[7]);
   mat3 py = ivory_hemisphere_from_compact(m[2], m[8]);
   mat3 my = ivory_hemisphere_from_compact(m[3], m[9]);
   mat3 pz = ivory_hemisphere_from_compact(m[4], m[10]);
   mat3 mz = ivory_hemisphere_from_compact(m[5], m[11]);
-  mat3 f = (px + mx + py + my + pz + mz) / 3.0;
+  mat3 f = (px + mx) * (n.x * n.x) + (py + my) * (n.y * n.y) + (pz + mz) * (n.z * n.z);
   mat3 d_x = px - mx;
   mat3 d_y = py - my;
   mat3 d_z = pz - mz;

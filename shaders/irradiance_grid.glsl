@@ -254,30 +254,39 @@ void ivory_grid_guarded(IvoryGrid g, sampler3D volumes, sampler3D trust, usample
   }
 }
 
-// Stored values to moments in lux.
-void ivory_grid_decode(IvoryGrid g, inout vec3 m[12]) {
-  if (IVORY_GRID_FORM == ivory_grid_norms_and_directions) ivory_moments_from_compact(m);
+// Stored values to moments in lux, to be read at the unit normal n (world).
+void ivory_grid_decode(IvoryGrid g, vec3 n, inout vec3 m[12]) {
+  if (IVORY_GRID_FORM == ivory_grid_norms_and_directions) ivory_moments_from_compact(m, n * g.local_to_world);
   for (int f = 0; f < 12; ++f) m[f] *= g.scale;
 }
 
-// Moments in lux at the world position p, which is not nudged.
-void ivory_lookup_moments(IvoryGrid g, sampler3D volumes, sampler3D trust, usampler3D guard, vec3 p, out vec3 m[12]) {
+// Moments in lux at the world position p, which is not nudged, to be read at the unit normal n.
+void ivory_lookup_moments(IvoryGrid g, sampler3D volumes, sampler3D trust, usampler3D guard, vec3 p, vec3 n,
+                          out vec3 m[12]) {
   vec3 index = ivory_grid_to_index(g, p);
   if (IVORY_GRID_GUARD == ivory_guard_planes)
     ivory_grid_guarded(g, volumes, trust, guard, index, m);
   else
     ivory_grid_unguarded(g, volumes, trust, index, m);
-  ivory_grid_decode(g, m);
+  ivory_grid_decode(g, n, m);
 }
 
-// What one vertex stores: moments in lux, zero where it stores nothing.
-void ivory_vertex_moments(IvoryGrid g, sampler3D volumes, sampler3D trust, ivec3 vertex, out vec3 m[12]) {
+// What one vertex stores: moments in lux to be read at the unit normal n, zero where it stores nothing.
+void ivory_vertex_moments(IvoryGrid g, sampler3D volumes, sampler3D trust, ivec3 vertex, vec3 n, out vec3 m[12]) {
   float t = texelFetch(trust, vertex, 0).r;
   int count = ivory_grid_volume_count(g);
   for (int f = 0; f < 12; ++f) {
     m[f] = f < count && t > 0.0 ? texelFetch(volumes, vertex + ivec3(g.slab[f]), 0).rgb / t : vec3(0.0);
   }
-  ivory_grid_decode(g, m);
+  ivory_grid_decode(g, n, m);
+}
+
+// The same two without a normal in mind, as pictures of what is stored want them.
+void ivory_lookup_moments(IvoryGrid g, sampler3D volumes, sampler3D trust, usampler3D guard, vec3 p, out vec3 m[12]) {
+  ivory_lookup_moments(g, volumes, trust, guard, p, g.local_to_world * vec3(0.57735027), m);
+}
+void ivory_vertex_moments(IvoryGrid g, sampler3D volumes, sampler3D trust, ivec3 vertex, out vec3 m[12]) {
+  ivory_vertex_moments(g, volumes, trust, vertex, g.local_to_world * vec3(0.57735027), m);
 }
 
 // E(n) from moments of this grid.
@@ -289,6 +298,6 @@ vec3 ivory_grid_irradiance(IvoryGrid g, vec3 m[12], vec3 n) {
 vec3 ivory_lookup_irradiance(IvoryGrid g, sampler3D volumes, sampler3D trust, usampler3D guard, vec3 p, vec3 ng,
                              vec3 n) {
   vec3 m[12];
-  ivory_lookup_moments(g, volumes, trust, guard, p + ng * g.nudge_m, m);
+  ivory_lookup_moments(g, volumes, trust, guard, p + ng * g.nudge_m, n, m);
   return ivory_grid_irradiance(g, m, n);
 }

@@ -112,7 +112,7 @@ inline TwinIrradiance irradiance_of(const IrradianceGrid& grid, const StoredGrid
     }
     out.around /= shortest;
     out.largest /= shortest;
-    sum = moments_from_compact(sum);
+    sum = moments_from_compact(sum, grid.frame.direction_to_local(n));
   }
   out.e = irradiance(grid.basis, reconstruction, sum.data(), grid.frame.direction_to_local(n));
   return out;

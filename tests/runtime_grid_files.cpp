@@ -113,15 +113,16 @@ TEST_F(RuntimeGridFile, VerticesAreReadBack) {
     const std::vector<V4f> result = evaluate_on_gpu(
         "#include \"ambient_grid.glsl\"\n"
         "vec4 evaluate(int i) { vec3 m[12]; ivec4 which = ivec4(input0(i));\n"
-        "  ivory_vertex_moments(ivory_grid, ivory_grid_volumes, ivory_grid_trust, which.xyz, m);\n"
+        "  ivory_vertex_moments(ivory_grid, ivory_grid_volumes, ivory_grid_trust, which.xyz, vec3(0.6, 0.0, 0.8), m);\n"
         "  vec3 p = ivory_grid_vertex_position(ivory_grid, which.xyz);\n"
         "  return vec4(m[which.w], p.x + 2.0 * p.y + 3.0 * p.z); }",
         {which}, [&](gl::Program& program) { bind(gpu, program, 0); });
     for (std::size_t i = 0; i < which.size(); ++i) {
       const std::size_t v = i / 12;
+      const V3f n(0.6F, 0, 0.8F);
       std::array<float, 36> m{};
       std::copy_n(stored.values.begin() + std::ptrdiff_t(v * 36), 36, m.begin());
-      if (form == GridForm::norms_and_directions) m = moments_from_compact(m);
+      if (form == GridForm::norms_and_directions) m = moments_from_compact(m, grid.frame.direction_to_local(n));
       float largest = 0;
       for (const float value : m) largest = std::max(largest, std::abs(value));
       for (std::size_t c = 0; c < 3; ++c)
