@@ -19,18 +19,9 @@ namespace ivory {
 
 namespace {
 
-struct Block {
-  float x = 0;  // centroid of its part of the unit disc
-  float y = 0;
-  float area = 0;  // of that part; 0: the block lies outside
-  float a = 0;     // r^2 is as if uniform over [a, b]
-  float b = 0;
-  float variance = 0;  // mean squared distance from the centroid
-};
-
 struct BlockTable {
   // Level l: 4^l blocks, row by row, from offset (4^l - 1)/3.
-  std::array<Block, (4 * max_mask_leaves - 1) / 3> blocks;
+  std::array<MaskBlock, (4 * max_mask_leaves - 1) / 3> blocks;
   // Per level and row: the blocks that lie outside the disc altogether.
   std::array<std::array<std::uint32_t, max_mask_size>, max_mask_depth + 1> outside;
 };
@@ -70,8 +61,8 @@ BlockTable make_block_table() {
       std::uint32_t outside = 0;
       for (int i = 0; i < n; ++i) {
         const Sums& s = level_sums[std::size_t(j * n + i)];
-        Block& block = table.blocks[std::size_t(level_offset(level) + j * n + i)];
-        block = Block();
+        MaskBlock& block = table.blocks[std::size_t(level_offset(level) + j * n + i)];
+        block = MaskBlock();
         if (s.area == 0) {
           outside |= 1U << unsigned(i);
           continue;
@@ -115,15 +106,17 @@ std::uint32_t even_bits(std::uint32_t x) {
 using Rows = std::array<std::uint32_t, max_mask_size>;
 
 // 1 - mean cosine is half the mean square of the angle, which is 2 t/(1 + t^2 r^2) a unit of the plane.
-float block_spread(const Block& block, float t2) {
+float block_spread(const MaskBlock& block, float t2) {
   return 2 * t2 * block.variance / ((1 + t2 * block.a) * (1 + t2 * block.b));
 }
 
-float block_height(const Block& block, float t2) {
+float block_height(const MaskBlock& block, float t2) {
   return 4 * t2 * block.area / ((1 + t2 * block.a) * (1 + t2 * block.b)) / (2 * pi);
 }
 
 }  // namespace
+
+std::span<const MaskBlock> mask_blocks() { return block_table().blocks; }
 
 LightCap make_light_cap(const Sphere& light, const V3f& p) {
   const V3f d = light.center - p;
@@ -211,7 +204,7 @@ float lit_fraction(const ShadowMask& mask, const LightCap& cap) {
   float sum = 0;
   for (int j = 0; j < n; ++j) {
     for (int i = 0; i < n; ++i) {
-      const Block& block = table.blocks[std::size_t(level_offset(mask.depth) + j * n + i)];
+      const MaskBlock& block = table.blocks[std::size_t(level_offset(mask.depth) + j * n + i)];
       const float height = block_height(block, t2);
       sum += height;
       if ((mask.rows[std::size_t(j)] >> unsigned(i) & 1U) == 0) lit += height;
@@ -242,7 +235,7 @@ int mask_leaves(const ShadowMask& mask, const LightCap& cap, std::span<MaskLeaf>
   int count = 0;
   const auto emit = [&](int level, int i, int j, bool lit) {
     const int n = 1 << level;
-    const Block& block = table.blocks[std::size_t(level_offset(level) + j * n + i)];
+    const MaskBlock& block = table.blocks[std::size_t(level_offset(level) + j * n + i)];
     // The stereographic plane's point back on the sphere.
     const float x = block.x * cap.tan_half;
     const float y = block.y * cap.tan_half;

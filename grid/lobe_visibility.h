@@ -3,6 +3,8 @@
 #pragma once
 
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -23,6 +25,11 @@ struct LightCap {
 // `light` must not hold p.
 LightCap make_light_cap(const Sphere& light, const V3f& p);
 
+// The directions that it fills, as seen from p.
+inline Cone make_cone(const LightCap& cap, const V3f& p) {
+  return {p, cap.z, 1 - cap.height, std::sqrt(cap.height * (2 - cap.height))};
+}
+
 // Solid angle in sr.
 inline float solid_angle(const LightCap& cap) { return 2 * pi * cap.height; }
 
@@ -32,6 +39,19 @@ enum class MaskRule {
   inside,  // all of it ("aggressive" in the report): too bright
   touched  // any of it ("conservative"): too dark
 };
+
+// A block of the square: its part of the disc. Solid angle over 2 pi is 4 t2 area/((1 + t2 a)(1 + t2 b))/(2 pi) and 1 -
+// mean cosine to the centroid's direction 2 t2 variance/((1 + t2 a)(1 + t2 b)), t2 = tan_half^2.
+struct MaskBlock {
+  float x = 0;  // centroid
+  float y = 0;
+  float area = 0;  // 0: the block lies outside
+  float a = 0;     // r^2 is as if uniform over [a, b]
+  float b = 0;
+  float variance = 0;  // mean squared distance from the centroid
+};
+// All blocks: level l has 4^l, row by row, from (4^l - 1)/3 on.
+std::span<const MaskBlock> mask_blocks();
 
 // 2^depth rows of 2^depth cells over the square around the cap; bit i of row j is the cell at
 // x = (i + 1/2) 2/size - 1, y likewise, where the cap is the unit disc.

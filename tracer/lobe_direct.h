@@ -2,7 +2,6 @@
 // Carlo twin, which differs in nothing but how the integral is done.
 #pragma once
 
-#include "grid/lobe_visibility.h"
 #include "tracer/lobe_reflectance.h"
 #include "tracer/render.h"
 
@@ -16,15 +15,8 @@ enum class LobeShadows {
   mesh,     // the scene's triangles; Monte Carlo, stratified over the light
 };
 
-struct LobeParams {
+struct LobeParams : LobeLightParams {
   LobeShadows shadows = LobeShadows::lobes;
-  int mask_depth = 4;  // cells a side of the mask: 2^depth; 0 to max_mask_depth
-  MaskRule mask_rule = MaskRule::center;
-  // Products estimated below this fraction of the lobe's unshadowed light are dropped. 0 keeps all.
-  float threshold = 1e-3F;
-  // A light that a glossy lobe is narrower than is taken as up to 4^n leaves of its own, so that reflections keep
-  // the light's edge; 0 takes it as one lobe always.
-  int max_split_level = 3;
   int shadow_rays = 64;  // a light and sample, for spheres and mesh
 };
 

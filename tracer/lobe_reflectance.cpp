@@ -28,11 +28,6 @@ Frame tangent_frame(const Scene& scene, const Hit& hit, const V3f& ns) {
 
 }  // namespace
 
-float phong_exponent(float roughness_alpha) {
-  const float alpha2 = std::max(roughness_alpha * roughness_alpha, 1e-12F);
-  return std::clamp(0.5F * (1 - alpha2) / alpha2, 0.0F, max_lobe_exponent);
-}
-
 LobeReflectance make_lobe_reflectance(const Scene& scene, const Hit& hit, const Surface& surface, const V3f& wo) {
   LobeReflectance r;
   r.ns = surface.ns;
@@ -61,30 +56,6 @@ LobeReflectance make_lobe_reflectance(const Scene& scene, const Hit& hit, const 
   r.glossy[0] = {mirror.normalized(), exponent, ks * ((exponent + 2) / (2 * pi))};
   r.glossy_count = 1;
   return r;
-}
-
-Rgb eval(const LobeReflectance& reflectance, const V3f& wi) {
-  const float cosine = reflectance.ns.dot(wi);
-  if (!(cosine > 0)) return Rgb(0, 0, 0);
-  Rgb f = reflectance.diffuse;
-  for (int i = 0; i < reflectance.glossy_count; ++i) {
-    const LobeReflectance::Glossy& lobe = reflectance.glossy[std::size_t(i)];
-    const float c = lobe.axis.dot(wi);
-    if (c > 0) f += lobe.color * std::pow(c, lobe.exponent);
-  }
-  return f * cosine;
-}
-
-ReflectanceLobes make_reflectance_lobes(const LobeTable& table, const LobeReflectance& reflectance) {
-  ReflectanceLobes result;
-  const Lobe cosine{reflectance.ns, 1, 1};
-  if (!is_black(reflectance.diffuse)) result.lobes[std::size_t(result.count++)] = {cosine, reflectance.diffuse};
-  for (int i = 0; i < reflectance.glossy_count; ++i) {
-    const LobeReflectance::Glossy& lobe = reflectance.glossy[std::size_t(i)];
-    const Lobe product = lobe_product(table, cosine, {lobe.axis, lobe.exponent, 1});
-    if (product.scale > 0) result.lobes[std::size_t(result.count++)] = {product, lobe.color};
-  }
-  return result;
 }
 
 }  // namespace ivory
