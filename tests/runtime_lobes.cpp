@@ -82,7 +82,8 @@ vec4 evaluate(int i) {
     const float value = eval_lobe(lobe, w);
     // Around 0 a cosine is all rounding, and so are its low powers.
     if (std::abs(lobe.axis.dot(w)) > 1e-4F) {
-      EXPECT_NEAR(out[i].x, value, (tolerance + 2e-3F * std::min(lobe.exponent, 1.0F)) * value) << in.a[i] << in.b[i];
+      EXPECT_NEAR(out[i].x, value, (tolerance + 2e-3F * std::min(lobe.exponent, 1.0F)) * value + 1e-37F)
+          << in.a[i] << in.b[i];
     }
     EXPECT_NEAR(out[i].y / lobe_integral(lobe), 1, 1e-6F);
     EXPECT_NEAR((out[i].z + 1) / (cap.exponent + 1), 1, 1e-6F);
