@@ -80,7 +80,7 @@ struct Shadows {
   std::array<Shadow, fiv_strongest> strongest;  // in descending order of luminance hidden, `count` of them
   int count = 0;
   Rgb sum{0, 0, 0};            // of all
-  Rgb share_of_all{1, 1, 1};   // of the unshadowed light that is visible if shadows multiply; of all,
+  Rgb share_of_all{1, 1, 1};   // of the unshadowed light that is visible if shadows multiply: of all,
   Rgb share_of_rest{1, 1, 1};  // and of all but the strongest, after what those hide already
 };
 

@@ -207,15 +207,14 @@ void bind_block(gl::Program& program, const char* name, const gl::Buffer& buffer
   IVORY_GL(glBindBufferBase, GL_UNIFORM_BUFFER, GLuint(binding), buffer.id());
 }
 
-int bind_tables(const GpuFivTables& fiv, gl::Program& program, int unit, const FivLightParams& params, int self) {
+int bind_tables(const GpuFivTables& fiv, gl::Program& program, int unit, Straddling straddling, int self) {
   gl::bind(fiv.atlas, unit);
   program.set("ivory_fiv_atlas", unit++);
   gl::bind(fiv.spheres, unit);
   program.set("ivory_fiv_spheres", unit++);
   bind_block(program, "IvoryFivTables", fiv.tables, fiv_tables_binding);
   bind_block(program, "IvoryFivOccluders", fiv.occluders, fiv_occluders_binding);
-  program.set("ivory_fiv_straddling", params.straddling == Straddling::scale ? 1 : 0);
-  program.set("ivory_fiv_overlap", int(params.overlap));
+  program.set("ivory_fiv_straddling", straddling == Straddling::scale ? 1 : 0);
   program.set("ivory_fiv_self", self);
   return unit;
 }
@@ -258,31 +257,37 @@ void set_occluders(GpuFivTables& fiv, std::span<const GpuFivOccluder> occluders)
   fiv.occluder_count = int(occluders.size());
 }
 
-int bind(const GpuFivTables& fiv, const GpuDifMap& unshadowed, gl::Program& program, int first_unit,
-         const FivLightParams& params, int self) {
-  const int unit = bind(unshadowed, program, first_unit);
-  program.set("ivory_fiv_use_difmap", 1);
-  return bind_tables(fiv, program, unit, params, self);
+std::string fiv_defines(FivOverlap overlap, bool self) {
+  return fmt::format("#define IVORY_FIV_OVERLAP {}\n{}", int(overlap), self ? "#define IVORY_FIV_SELF\n" : "");
 }
 
-int bind(const GpuFivTables& fiv, const GpuSh9& unshadowed, gl::Program& program, int first_unit,
-         const FivLightParams& params, int self) {
+int bind(const GpuFivTables& fiv, const GpuDifMap& unshadowed, gl::Program& program, int first_unit,
+         Straddling straddling, int self) {
+  const int unit = bind(unshadowed, program, first_unit);
+  program.set("ivory_fiv_use_difmap", 1);
+  return bind_tables(fiv, program, unit, straddling, self);
+}
+
+int bind(const GpuFivTables& fiv, const GpuSh9& unshadowed, gl::Program& program, int first_unit, Straddling straddling,
+         int self) {
   bind(unshadowed, program, first_unit);
   program.set("ivory_fiv_use_difmap", 0);
   // The map's sampler keeps a unit of its own: two kinds of texture must not share one, even unread.
   program.set("ivory_difmap_e", first_unit);
-  return bind_tables(fiv, program, first_unit + 1, params, self);
+  return bind_tables(fiv, program, first_unit + 1, straddling, self);
 }
 
 AmbientSource ambient(const GpuFivTables& fiv, const GpuDifMap& unshadowed, const FivLightParams& params, int self) {
-  return {"#include \"ambient_fiv.glsl\"\n", [&fiv, &unshadowed, params, self](gl::Program& program, int first_unit) {
-            return bind(fiv, unshadowed, program, first_unit, params, self);
+  return {fiv_defines(params.overlap, self >= 0) + "#include \"ambient_fiv.glsl\"\n",
+          [&fiv, &unshadowed, straddling = params.straddling, self](gl::Program& program, int first_unit) {
+            return bind(fiv, unshadowed, program, first_unit, straddling, self);
           }};
 }
 
 AmbientSource ambient(const GpuFivTables& fiv, const GpuSh9& unshadowed, const FivLightParams& params, int self) {
-  return {"#include \"ambient_fiv.glsl\"\n", [&fiv, &unshadowed, params, self](gl::Program& program, int first_unit) {
-            return bind(fiv, unshadowed, program, first_unit, params, self);
+  return {fiv_defines(params.overlap, self >= 0) + "#include \"ambient_fiv.glsl\"\n",
+          [&fiv, &unshadowed, straddling = params.straddling, self](gl::Program& program, int first_unit) {
+            return bind(fiv, unshadowed, program, first_unit, straddling, self);
           }};
 }
 

@@ -53,14 +53,17 @@ GpuFivTables load_fiv_tables(std::span<const std::string> paths, const FivUpload
 // Replaces all occluders; cheap enough for every frame. Throws Error for more than fiv_max_occluders.
 void set_occluders(GpuFivTables& fiv, std::span<const GpuFivOccluder> occluders);
 
-// Bind two or three textures from `first_unit` on and the uniform buffers, and set the uniforms of
-// shaders/ambient_fiv.glsl; make the program current. `unshadowed`: the environment that the tables were baked under.
-// `self`: index of the occluder that what is drawn next is, or -1; between objects program.set("ivory_fiv_self", i)
-// is enough. Return the next free unit.
+// #define lines to put before shaders/ambient_fiv.glsl; `self`: for objects that are occluders themselves.
+std::string fiv_defines(FivOverlap overlap, bool self);
+
+// Bind three textures from `first_unit` on and the uniform buffers, and set the uniforms of shaders/ambient_fiv.glsl;
+// make the program current. `unshadowed`: of the environment that the tables were baked under. `self`: index of the
+// occluder that what is drawn next is, or -1; between objects program.set("ivory_fiv_self", i) is enough. Return the
+// next free unit.
 int bind(const GpuFivTables& fiv, const GpuDifMap& unshadowed, gl::Program& program, int first_unit,
-         const FivLightParams& params = {}, int self = -1);
+         Straddling straddling = Straddling::bound, int self = -1);
 int bind(const GpuFivTables& fiv, const GpuSh9& unshadowed, gl::Program& program, int first_unit,
-         const FivLightParams& params = {}, int self = -1);
+         Straddling straddling = Straddling::bound, int self = -1);
 
 // For the renderer, one for each object with a `self` of its own; the assets must outlive it.
 AmbientSource ambient(const GpuFivTables& fiv, const GpuDifMap& unshadowed, const FivLightParams& params = {},

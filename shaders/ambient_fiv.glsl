@@ -1,5 +1,8 @@
 // Ambient light of an environment (SH9 or DifMap) shadowed by occluders with FIV tables. Twin: fiv_irradiance() of
-// grid/fiv_light.h. Set by bind(const GpuFivTables&, ...) of runtime/fiv.h, `ivory_fiv_self` for each object by yourself.
+// grid/fiv_light.h. Set by bind(const GpuFivTables&, ...) of runtime/fiv.h.
+//
+// IVORY_FIV_OVERLAP, before it: 0 none, 1 discs, 2 covers (as without), 3 product. IVORY_FIV_SELF: for objects that are
+// occluders themselves, as `ivory_fiv_self` says.
 #include "sh9.glsl"
 #include "difmap.glsl"
 #include "fiv_light.glsl"
@@ -11,7 +14,6 @@ uniform int ivory_fiv_use_difmap;  // 0: unshadowed light from SH9, 1: from the 
 uniform sampler3D ivory_fiv_atlas;
 uniform sampler2D ivory_fiv_spheres;
 uniform int ivory_fiv_straddling;  // 0 bound, 1 scale
-uniform int ivory_fiv_overlap;     // 0 none, 1 discs, 2 covers, 3 product
 uniform int ivory_fiv_self = -1;   // index of the occluder that the object is, or -1
 
 layout(std140) uniform IvoryFivTables { IvoryFivTable ivory_fiv_tables[64]; };
@@ -29,28 +31,38 @@ vec3 ivory_ambient(vec3 p, vec3 ng, vec3 n) {
   float allowance = ivory_fiv_negligible * ivory_luminance(unshadowed);
   float neglected = 0.0;
   IvoryFivShadows shadows = ivory_fiv_no_shadows();
-  for (int i = 0; i < ivory_fiv_occluders.x; ++i) {
-    if (i == ivory_fiv_self) continue;
-    vec4 place = ivory_fiv_place[i];
-    vec3 q = (p - place.xyz) / place.w;
-    float height = -dot(q, n);
-    if (height <= -1.0) continue;
-    IvoryFivTable table = ivory_fiv_tables[ivory_fiv_table_of[i].x];
-    float at_most = table.scale.y * ivory_fiv_falloff(length(q));
-    if (neglected + at_most <= allowance) {
-      neglected += at_most;
-      continue;
+  int count = ivory_fiv_occluders.x;
+  int i = 0;
+  do {
+    // On to the next occluder that counts, each receiver by itself: what lies below its plane or is negligible costs no
+    // look-up, on hardware that runs through masked code too.
+    bool found = false;
+    vec3 q = vec3(0.0, 1.0, 0.0);
+    float height = 0.0;
+    int which = 0;
+    while (i < count && !found) {
+      vec4 place = ivory_fiv_place[i];
+      q = (p - place.xyz) / place.w;
+      height = -dot(q, n);
+      which = ivory_fiv_table_of[i].x;
+      float at_most = ivory_fiv_tables[which].scale.y * ivory_fiv_falloff(length(q));
+      bool above = height > -1.0 && i != ivory_fiv_self;
+      found = above && neglected + at_most > allowance;
+      neglected += above && !found ? at_most : 0.0;
+      ++i;
     }
-    IvoryFivShadow shadow = ivory_fiv_shadow_of(ivory_fiv_atlas, ivory_fiv_spheres, table, q, height, n,
+    IvoryFivShadow shadow = ivory_fiv_shadow_of(ivory_fiv_atlas, ivory_fiv_spheres, ivory_fiv_tables[which], q, height, n,
                                                 ivory_fiv_straddling, unshadowed);
-    if (shadow.luminance > 0.0) ivory_fiv_add(shadows, shadow, unshadowed);
-  }
+    shadow.hidden = found ? shadow.hidden : vec3(0.0);
+    shadow.luminance = found ? shadow.luminance : 0.0;
+    ivory_fiv_add(shadows, shadow, unshadowed);
+  } while (i < count);
   vec3 open = unshadowed;
-  if (ivory_fiv_self >= 0) {
-    vec4 place = ivory_fiv_place[ivory_fiv_self];
-    IvoryFivTable table = ivory_fiv_tables[ivory_fiv_table_of[ivory_fiv_self].x];
-    IvoryFivMoments moments = ivory_lookup(ivory_fiv_atlas, ivory_fiv_spheres, table, (p - place.xyz) / place.w);
-    open = ivory_self_shadowed_irradiance(table, moments, n);
-  }
-  return ivory_fiv_leave(open, unshadowed, ivory_fiv_hidden(shadows, unshadowed, ivory_fiv_overlap));
+#ifdef IVORY_FIV_SELF
+  vec4 place = ivory_fiv_place[ivory_fiv_self];
+  IvoryFivTable table = ivory_fiv_tables[ivory_fiv_table_of[ivory_fiv_self].x];
+  IvoryFivMoments moments = ivory_lookup(ivory_fiv_atlas, ivory_fiv_spheres, table, (p - place.xyz) / place.w, true);
+  open = ivory_self_shadowed_irradiance(table, moments, n);
+#endif
+  return ivory_fiv_leave(open, unshadowed, ivory_fiv_hidden(shadows, unshadowed));
 }

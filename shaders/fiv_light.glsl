@@ -1,11 +1,16 @@
 // The light of an environment at a receiver among moving occluders. Twin: grid/fiv_light.h.
 //
 // Go through the occluders, ivory_fiv_add() each one's shadow to IvoryFivShadows, then ask for ivory_fiv_leave():
-// shaders/ambient_fiv.glsl does. `overlap`: 0 none, 1 discs, 2 covers, 3 product.
+// shaders/ambient_fiv.glsl does. IVORY_FIV_OVERLAP: 0 none, 1 discs, 2 covers, 3 product.
+#ifndef IVORY_FIV_OVERLAP
+#define IVORY_FIV_OVERLAP 2
+#endif
 #include "fiv_table.glsl"
 
-// Shadows that are compared pair by pair.
+// Shadows that are compared pair by pair; the macros below spell them out, as arrays indexed by variables would leave
+// the registers.
 #define IVORY_FIV_STRONGEST 8
+#define IVORY_FIV_FOR_STRONGEST(DO) DO(0) DO(1) DO(2) DO(3) DO(4) DO(5) DO(6) DO(7)
 
 // The share of the unshadowed light that occluders left out may hide, all together.
 const float ivory_fiv_negligible = 1e-3;
@@ -23,20 +28,20 @@ struct IvoryFivShadow {
 
 struct IvoryFivShadows {
   IvoryFivShadow strongest[IVORY_FIV_STRONGEST];  // in descending order of luminance
-  vec3 sum;                                       // of all, lux
-  vec3 share_of_all;   // of the unshadowed light that is visible if shadows multiply; of all,
-  vec3 share_of_rest;  // and of all but the strongest, after what those hide already
+  vec3 sum;    // of all, lux
+  vec3 share;  // of the unshadowed light that is visible if shadows multiply: all of them, or, for overlap 2, all but
+               // the strongest, after what those hide already
 };
 
 float ivory_luminance(vec3 c) { return dot(c, vec3(0.2126, 0.7152, 0.0722)); }
 
+#define IVORY_FIV_EMPTY(i) shadows.strongest[i] = none;
 IvoryFivShadows ivory_fiv_no_shadows() {
   IvoryFivShadow none = IvoryFivShadow(vec3(0.0), 0.0, vec3(0.0), 1.0, vec3(0.0), 0.0, 0.0);
   IvoryFivShadows shadows;
-  for (int i = 0; i < IVORY_FIV_STRONGEST; ++i) shadows.strongest[i] = none;
+  IVORY_FIV_FOR_STRONGEST(IVORY_FIV_EMPTY)
   shadows.sum = vec3(0.0);
-  shadows.share_of_all = vec3(1.0);
-  shadows.share_of_rest = vec3(1.0);
+  shadows.share = vec3(1.0);
   return shadows;
 }
 
@@ -44,7 +49,8 @@ IvoryFivShadows ivory_fiv_no_shadows() {
 IvoryFivShadow ivory_fiv_shadow_of(sampler3D atlas, sampler2D spheres, IvoryFivTable table, vec3 q, float height, vec3 n,
                                    int straddling, vec3 unshadowed) {
   float r = length(q);
-  IvoryFivMoments moments = ivory_lookup(atlas, spheres, table, q);
+  // Wholly above the plane n.F says all.
+  IvoryFivMoments moments = ivory_lookup(atlas, spheres, table, q, height < 1.0 && straddling == 0);
   IvoryFivShadow shadow;
   shadow.towards = r > 0.0 ? q / -r : n;
   shadow.disc_radius = r > 1.0 ? 1.0 / r : 1.0;
@@ -96,41 +102,84 @@ vec3 ivory_fiv_visible(vec3 hidden, vec3 unshadowed) {
   return mix(vec3(1.0), share, greaterThan(unshadowed, vec3(0.0)));
 }
 
-void ivory_fiv_add(inout IvoryFivShadows shadows, IvoryFivShadow shadow, vec3 unshadowed) {
-  shadows.sum += shadow.hidden;
-  shadows.share_of_all *= ivory_fiv_visible(shadow.hidden, unshadowed);
-  for (int i = 0; i < IVORY_FIV_STRONGEST; ++i) {
-    IvoryFivShadow kept = shadows.strongest[i];
-    bool stronger = shadow.luminance > kept.luminance;
-    if (stronger) {
-      shadows.strongest[i] = shadow;
-      shadow = kept;
-    }
+IvoryFivShadow ivory_fiv_select(IvoryFivShadow a, IvoryFivShadow b, bool second) {
+  return IvoryFivShadow(second ? b.hidden : a.hidden, second ? b.luminance : a.luminance, second ? b.light : a.light,
+                        second ? b.disc_radius : a.disc_radius, second ? b.towards : a.towards,
+                        second ? b.coverage : a.coverage, second ? b.gathered : a.gathered);
+}
+
+#define IVORY_FIV_EXCHANGE(i)                                        \
+  {                                                                  \
+    IvoryFivShadow kept = shadows.strongest[i];                      \
+    bool stronger = shadow.luminance > kept.luminance;               \
+    shadows.strongest[i] = ivory_fiv_select(kept, shadow, stronger); \
+    shadow = ivory_fiv_select(shadow, kept, stronger);               \
   }
+#define IVORY_FIV_OPEN(i) open *= ivory_fiv_left_open(shadows.strongest[i], shadow);
+
+// Shadows that hide nothing change nothing.
+void ivory_fiv_add(inout IvoryFivShadows shadows, IvoryFivShadow shadow, vec3 unshadowed) {
+#if IVORY_FIV_OVERLAP == 3
+  shadows.share *= ivory_fiv_visible(shadow.hidden, unshadowed);
+#else
+  shadows.sum += shadow.hidden;
+#endif
+#if IVORY_FIV_OVERLAP == 1 || IVORY_FIV_OVERLAP == 2
+  IVORY_FIV_FOR_STRONGEST(IVORY_FIV_EXCHANGE)
+#endif
+#if IVORY_FIV_OVERLAP == 2
   float open = 1.0;
-  for (int i = 0; i < IVORY_FIV_STRONGEST; ++i) open *= ivory_fiv_left_open(shadows.strongest[i], shadow);
-  shadows.share_of_rest *= ivory_fiv_visible(shadow.hidden * open, unshadowed);
+  IVORY_FIV_FOR_STRONGEST(IVORY_FIV_OPEN)
+  shadows.share *= ivory_fiv_visible(shadow.hidden * open, unshadowed);
+#endif
+}
+
+#define IVORY_FIV_PAIR(j, k) ivory_fiv_pair(shadows.strongest[j], shadows.strongest[k], hidden, open);
+#if IVORY_FIV_OVERLAP == 1
+#define IVORY_FIV_NEXT(k)
+#else
+#define IVORY_FIV_NEXT(k)                       \
+  hidden += shadows.strongest[k].hidden * open; \
+  open = 1.0;
+#endif
+
+// Eq. 13 and 14: of what a pair hides, the share of its discs that they have in common was counted twice. Or what
+// the stronger one leaves open to the other.
+void ivory_fiv_pair(IvoryFivShadow strong, IvoryFivShadow weak, inout vec3 hidden, inout float open) {
+#if IVORY_FIV_OVERLAP == 1
+  float share = ivory_fiv_common_area(strong, weak) / (ivory_fiv_disc_area(strong) + ivory_fiv_disc_area(weak));
+  if (weak.luminance > 0.0) hidden -= (strong.hidden + weak.hidden) * share;
+#else
+  open *= ivory_fiv_left_open(strong, weak);
+#endif
 }
 
 // Irradiance in lux that all shadows take together.
-vec3 ivory_fiv_hidden(IvoryFivShadows shadows, vec3 unshadowed, int overlap) {
-  if (overlap == 0) return shadows.sum;
-  if (overlap == 3) return unshadowed * (1.0 - shadows.share_of_all);
-  vec3 by_discs = shadows.sum;
-  vec3 by_covers = vec3(0.0);
-  for (int k = 0; k < IVORY_FIV_STRONGEST; ++k) {
-    IvoryFivShadow a = shadows.strongest[k];
-    float open = 1.0;
-    for (int j = 0; j < k; ++j) {
-      IvoryFivShadow b = shadows.strongest[j];
-      float share = ivory_fiv_common_area(a, b) / (ivory_fiv_disc_area(a) + ivory_fiv_disc_area(b));
-      by_discs -= a.luminance > 0.0 ? (a.hidden + b.hidden) * share : vec3(0.0);
-      open *= ivory_fiv_left_open(b, a);
-    }
-    by_covers += a.hidden * open;
-  }
-  by_covers += max(unshadowed - by_covers, 0.0) * (1.0 - shadows.share_of_rest);
-  return overlap == 1 ? by_discs : by_covers;
+vec3 ivory_fiv_hidden(IvoryFivShadows shadows, vec3 unshadowed) {
+#if IVORY_FIV_OVERLAP == 0
+  return shadows.sum;
+#elif IVORY_FIV_OVERLAP == 3
+  return unshadowed * (1.0 - shadows.share);
+#else
+  vec3 hidden = vec3(0.0);
+  float open = 1.0;
+  IVORY_FIV_NEXT(0)
+  IVORY_FIV_PAIR(0, 1) IVORY_FIV_NEXT(1)
+  IVORY_FIV_PAIR(0, 2) IVORY_FIV_PAIR(1, 2) IVORY_FIV_NEXT(2)
+  IVORY_FIV_PAIR(0, 3) IVORY_FIV_PAIR(1, 3) IVORY_FIV_PAIR(2, 3) IVORY_FIV_NEXT(3)
+  IVORY_FIV_PAIR(0, 4) IVORY_FIV_PAIR(1, 4) IVORY_FIV_PAIR(2, 4) IVORY_FIV_PAIR(3, 4) IVORY_FIV_NEXT(4)
+  IVORY_FIV_PAIR(0, 5) IVORY_FIV_PAIR(1, 5) IVORY_FIV_PAIR(2, 5) IVORY_FIV_PAIR(3, 5) IVORY_FIV_PAIR(4, 5)
+  IVORY_FIV_NEXT(5)
+  IVORY_FIV_PAIR(0, 6) IVORY_FIV_PAIR(1, 6) IVORY_FIV_PAIR(2, 6) IVORY_FIV_PAIR(3, 6) IVORY_FIV_PAIR(4, 6)
+  IVORY_FIV_PAIR(5, 6) IVORY_FIV_NEXT(6)
+  IVORY_FIV_PAIR(0, 7) IVORY_FIV_PAIR(1, 7) IVORY_FIV_PAIR(2, 7) IVORY_FIV_PAIR(3, 7) IVORY_FIV_PAIR(4, 7)
+  IVORY_FIV_PAIR(5, 7) IVORY_FIV_PAIR(6, 7) IVORY_FIV_NEXT(7)
+#if IVORY_FIV_OVERLAP == 1
+  return shadows.sum + hidden;
+#else
+  return hidden + max(unshadowed - hidden, 0.0) * (1.0 - shadows.share);
+#endif
+#endif
 }
 
 // Of the unshadowed light, or of `open`, what the receiver's own object leaves of it: what remains, in lux.

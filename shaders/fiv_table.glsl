@@ -34,8 +34,9 @@ float ivory_fiv_sphere(sampler2D spheres, IvoryFivTable table, float r) {
   return clamp(sphere, 0.0, table.samples.z - 1.0);
 }
 
-// lookup() of the twin. q: the receiver's position relative to the occluder's centre in bounding radii.
-IvoryFivMoments ivory_lookup(sampler3D atlas, sampler2D spheres, IvoryFivTable table, vec3 q) {
+// lookup() of the twin. q: the receiver's position relative to the occluder's centre in bounding radii. Three fetches,
+// nine where `split` asks for the D of six hemispheres too; otherwise they are 0.
+IvoryFivMoments ivory_lookup(sampler3D atlas, sampler2D spheres, IvoryFivTable table, vec3 q, bool split) {
   const float pi = 3.14159265359;
   float r = length(q);
   float azimuth = 0.5 + ivory_fast_angle(-q.x, q.z) / (2.0 * pi);
@@ -52,7 +53,7 @@ IvoryFivMoments ivory_lookup(sampler3D atlas, sampler2D spheres, IvoryFivTable t
   m.slab[0] = textureLod(atlas, at, 0.0) * scale;
   m.slab[1] = textureLod(atlas, at + right, 0.0) * scale;
   m.slab[2] = textureLod(atlas, at + 2.0 * right, 0.0) * scale;
-  if (table.origin.w > 3.0) {
+  if (split && table.origin.w > 3.0) {
     m.slab[3] = textureLod(atlas, at + down, 0.0) * scale;
     m.slab[4] = textureLod(atlas, at + down + right, 0.0) * scale;
     m.slab[5] = textureLod(atlas, at + down + 2.0 * right, 0.0) * scale;

@@ -56,7 +56,7 @@ const std::string read_table =
     "#include \"ambient_fiv.glsl\"\n"
     "IvoryFivTable table(int i) { return ivory_fiv_tables[int(input0(i).w)]; }\n"
     "IvoryFivMoments moments(int i) { return ivory_lookup(ivory_fiv_atlas, ivory_fiv_spheres, table(i), "
-    "input0(i).xyz); }\n";
+    "input0(i).xyz, true); }\n";
 
 BindProgram bind_to(const GpuFivTables& gpu) {
   return [&gpu](gl::Program& program) { EXPECT_EQ(bind(gpu, GpuSh9{}, program, 1), 4); };

@@ -79,9 +79,10 @@ class RuntimeFivLight : public GlTest {
     set_occluders(gpu, occluders);
     const auto in = receivers();
     const std::vector<V4f> e = evaluate_on_gpu(
-        "#include \"ambient_fiv.glsl\"\n"
-        "vec4 evaluate(int i) { return vec4(ivory_ambient(input0(i).xyz, input1(i).xyz, input1(i).xyz), 1.0); }",
-        in, [&](gl::Program& program) { bind(gpu, gpu_unshadowed, program, 0, params, self); });
+        fiv_defines(params.overlap, self >= 0) +
+            "#include \"ambient_fiv.glsl\"\n"
+            "vec4 evaluate(int i) { return vec4(ivory_ambient(input0(i).xyz, input1(i).xyz, input1(i).xyz), 1.0); }",
+        in, [&](gl::Program& program) { bind(gpu, gpu_unshadowed, program, 0, params.straddling, self); });
     const std::vector<FivPlacement> placements = twin(occluders);
     Difference out;
     for (std::size_t i = 0; i < in[0].size(); ++i) {
