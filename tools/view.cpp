@@ -26,6 +26,7 @@ struct ViewCommand {
   std::string debug = "none";
   std::string constant;
   std::string lookup = "polygon";
+  std::vector<std::string> named;  // assets given by --grid and the like
   bool indirect_only = false;
 };
 
@@ -48,6 +49,7 @@ void check_outputs(const ViewCommand& command, const CommonOptions& common) {
 
 ViewRun finished(const ViewCommand& command) {
   ViewRun run = command.run;
+  run.input.assets.insert(run.input.assets.end(), command.named.begin(), command.named.end());
   if (command.guard == "rays")
     throw UsageError("--guard rays: shaders trace no rays; planes is what the grid stores of what they would find");
   run.settings.guard = guard_from_name(command.guard);
@@ -90,9 +92,6 @@ void add_scene_options(CLI::App& app, ViewCommand& command) {
                  "lobe tables (.exr), sphere sets (.json), models (.glb) as objects, lat-long images as environment.\n"
                  "The same files may be dropped onto the window")
       ->type_name("FILE");
-  app.add_option("--grid", command.run.input.assets, "The same as FILE, for scripts that say --grid")
-      ->allow_extra_args(false)
-      ->type_name("GRID.vdb");
   app.add_option("--camera", command.run.input.camera,
                  "The scene's camera, by name or index [the first; a framing view where it has none]")
       ->type_name("NAME|INDEX");
@@ -120,6 +119,44 @@ void add_light_options(CLI::App& app, ViewCommand& command) {
                  "The same for one object, by its name (file or node; 'scene' for the scene); may be repeated")
       ->allow_extra_args(false)
       ->type_name("OBJECT=NAME")
+      ->group(group);
+  // What ivory render calls the same files, for scripts that draw by both.
+  for (const auto& [option, type] : {std::pair{"--grid", "GRID.vdb"},
+                                     {"--ambient", "DIFMAP.exr|SH9.json"},
+                                     {"--cubemap", "MAP.exr"},
+                                     {"--lobes", "LOBES.exr"}}) {
+    app.add_option_function<std::vector<std::string>>(
+           option,
+           [&command](const std::vector<std::string>& paths) {
+             command.named.insert(command.named.end(), paths.begin(), paths.end());
+           },
+           "The same as FILE")
+        ->allow_extra_args(false)
+        ->type_name(type)
+        ->group(group);
+  }
+  app.add_option("--occluder", command.run.input.occluders,
+                 "FIV table of a node, which becomes an object; tables given as FILE find their objects by themselves")
+      ->allow_extra_args(false)
+      ->type_name("NODE=TABLE.exr")
+      ->group(group);
+  app.add_option_function<std::vector<std::string>>(
+         "--sphere-light",
+         [&command](const std::vector<std::string>& texts) {
+           for (const std::string& text : texts) {
+             const std::vector<float> v = parse_floats("--sphere-light", text, 7, "X,Y,Z,RADIUS,R,G,B");
+             command.run.input.sphere_lights.push_back({V3f(v[0], v[1], v[2]), v[3], Rgb(v[4], v[5], v[6])});
+           }
+         },
+         "Adds a ball of light for method lobes: place and radius in metres, radiance in nits; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("X,Y,Z,RADIUS,R,G,B")
+      ->group(group);
+  app.add_option(
+         "--spheres", command.run.input.spheres,
+         "Sphere set that casts shadows by method lobes, moved by X,Y,Z, or with the object that it was fitted to")
+      ->allow_extra_args(false)
+      ->type_name("SET.json[@X,Y,Z]")
       ->group(group);
   app.add_option("--constant", command.constant, "Irradiance of method constant in lux [as bright as the grid]")
       ->type_name("R,G,B")

@@ -8,6 +8,7 @@
 #include "grid/io_difmap.h"
 #include "grid/io_fiv.h"
 #include "grid/io_sh9.h"
+#include "grid/io_spheres.h"
 #include "grid/io_vdb.h"
 
 namespace ivory {
@@ -58,14 +59,19 @@ Rgb mean_irradiance(const IrradianceGrid& grid) {
   return {float(sum.x), float(sum.y), float(sum.z)};
 }
 
-std::unique_ptr<GridAsset> load_grid_asset(const std::string& path) {
-  const IrradianceGrid grid = read_grid_vdb(path);
+Rgb mean_irradiance(const DifMap& map) {
+  V3d sum(0, 0, 0);
+  for (const Rgb& e : map.e.texels) sum += V3d(double(e.x), double(e.y), double(e.z));
+  sum /= double(map.e.texels.size());
+  return {float(sum.x), float(sum.y), float(sum.z)};
+}
+
+std::unique_ptr<GridAsset> upload_grid_asset(const std::string& path, const IrradianceGrid& grid) {
   auto asset = std::make_unique<GridAsset>();
   asset->gpu = upload(grid);
   asset->visible_fraction =
       gl::make_texture_3d(path, gl::Format::r16f, grid.frame.size, grid.visible_fraction.data(), gl::Filter::nearest);
   asset->typical_vector_lux = typical_vector(grid);
-  asset->mean_e_lux = mean_irradiance(grid);
   asset->scene_hash = text_of(grid.metadata, "scene_hash");
   return asset;
 }
@@ -78,6 +84,7 @@ std::size_t ViewAsset::bytes() const {
   std::size_t sum = 0;
   if (grid) sum += grid->gpu.bytes() + grid->visible_fraction.bytes();
   if (cubemap) sum += cubemap->bytes();
+  if (lobes) sum += lobes->bytes();
   if (sh9) sum += sh9->bytes();
   if (difmap) sum += difmap->bytes();
   return sum;
@@ -88,9 +95,12 @@ std::unique_ptr<ViewAsset> load_view_asset(const std::string& path, FileKind kin
   asset->path = path;
   asset->kind = kind;
   switch (kind) {
-    case FileKind::grid:
-      asset->grid = load_grid_asset(path);
+    case FileKind::grid: {
+      const IrradianceGrid grid = read_grid_vdb(path);
+      asset->grid = upload_grid_asset(path, grid);
+      asset->mean_e_lux = mean_irradiance(grid);
       break;
+    }
     case FileKind::sh9: {
       const Sh9Asset sh9 = read_sh9(path);
       asset->sh9 = upload(sh9.sh);
@@ -100,6 +110,7 @@ std::unique_ptr<ViewAsset> load_view_asset(const std::string& path, FileKind kin
     case FileKind::difmap: {
       const DifMap map = read_difmap(path);
       asset->difmap = upload(map);
+      asset->mean_e_lux = mean_irradiance(map);
       asset->environment_hash = text_of(map.metadata, "environment_hash");
       break;
     }
@@ -110,9 +121,24 @@ std::unique_ptr<ViewAsset> load_view_asset(const std::string& path, FileKind kin
       asset->fiv = read_fiv(path);
       asset->environment_hash = text_of(asset->fiv->metadata, "environment_hash");
       break;
-    default:
+    case FileKind::lobes:
+      asset->lobes = std::make_unique<GpuLobes>(load_lobes(path));
+      break;
+    case FileKind::spheres:
+      asset->spheres = read_spheres(path);
+      break;
+    case FileKind::scene:
+    case FileKind::image:
       throw Error(path, "is no asset that lights a scene", "give a grid, SH9, DifMap, FIV table, cube map or lobes");
   }
+  return asset;
+}
+
+std::unique_ptr<ViewAsset> make_view_lobes() {
+  auto asset = std::make_unique<ViewAsset>();
+  asset->path = "lobe table made at start";
+  asset->kind = FileKind::lobes;
+  asset->lobes = std::make_unique<GpuLobes>(upload(make_lobe_table()));
   return asset;
 }
 
@@ -121,6 +147,7 @@ std::unique_ptr<ViewAsset> bake_view_difmap(const std::string& path, const DifMa
   asset->path = path;
   asset->kind = FileKind::difmap;
   asset->difmap = upload(map);
+  asset->mean_e_lux = mean_irradiance(map);
   asset->environment_hash = text_of(map.metadata, "environment_hash");
   return asset;
 }

@@ -21,8 +21,14 @@ M44f moved(const M44f& to_world, const V3f& by) {
 RuntimeCamera runtime_camera(const ViewSession& session, const ViewTarget& target, const V2f& shift) {
   const ViewWorld& world = session.world;
   const Camera& camera = world.camera.camera;
+  // Objects may have left the sphere that they were measured in.
+  float radius_m = world.radius_m;
+  for (const ViewObject& object : world.objects) {
+    const V3f center = object.intersector->center() + place(object, world.time_s);
+    radius_m = std::max(radius_m, (center - world.center_m).length() + object.intersector->radius_m());
+  }
   const ViewMatrices m =
-      view_matrices(world.scene().name, camera, target.width(), target.height(), shift, world.center_m, world.radius_m);
+      view_matrices(world.scene().name, camera, target.width(), target.height(), shift, world.center_m, radius_m);
   RuntimeCamera out;
   out.clip_from_world = m.world_to_eye * m.projection;
   out.position_m = eye(world.camera);

@@ -1,5 +1,6 @@
 // ivory view --headless: frames without a window or a display.
 #include <chrono>
+#include <cstdlib>
 #include <optional>
 
 #include <epoxy/gl.h>
@@ -26,6 +27,8 @@ void draw_frame(ViewFrame& frame, ViewSession& session, ViewTarget& target, int 
 }  // namespace
 
 void run_headless(const ViewRun& run, const CommonOptions& common) {
+  // Mesa's software renderer brings threads of its own.
+  if (common.threads > 0) setenv("LP_NUM_THREADS", std::to_string(common.threads).c_str(), 0);
   const HeadlessContext context;
   ViewSession session = start_session(run, common);
   ViewTarget target(run.input.size.x, run.input.size.y);

@@ -17,8 +17,8 @@ using Json = nlohmann::ordered_json;
 
 // What a user who names no method expects: the best of what was given.
 ViewMethod best_method(const ViewSession& session) {
-  for (const ViewMethod method :
-       {ViewMethod::grid, ViewMethod::fiv, ViewMethod::cubemap, ViewMethod::difmap, ViewMethod::sh9}) {
+  for (const ViewMethod method : {ViewMethod::grid, ViewMethod::fiv, ViewMethod::lobes, ViewMethod::cubemap,
+                                  ViewMethod::difmap, ViewMethod::sh9}) {
     if (lacks(session, method).empty()) return method;
   }
   return ViewMethod::none;
@@ -44,7 +44,9 @@ void choose_methods(ViewSession& session, const ViewRun& run) {
 // Without a value of the user's a constant source is as bright as what it stands for.
 Rgb default_constant(const ViewSession& session) {
   const ViewAsset* grid = find_asset(session.assets, FileKind::grid);
-  return grid != nullptr ? grid->grid->mean_e_lux : Rgb(1, 1, 1);
+  if (grid != nullptr) return grid->mean_e_lux;
+  const ViewAsset* difmap = find_asset(session.assets, FileKind::difmap);
+  return difmap != nullptr ? difmap->mean_e_lux : Rgb(1, 1, 1);
 }
 
 Json vector_json(const V3f& v) { return {shortest(v.x), shortest(v.y), shortest(v.z)}; }

@@ -8,10 +8,12 @@
 
 #include "grid/error.h"
 #include "tools/dynamic_objects.h"
+#include "tools/view_debug.h"
 #include "tracer/camera.h"
 #include "tracer/gltf_loader.h"
 #include "tracer/image_io.h"
 #include "tracer/irradiance_baker.h"
+#include "tracer/sphere_light.h"
 
 namespace ivory {
 
@@ -30,6 +32,8 @@ const ViewAsset* asset_for(const ViewSession& session, ViewMethod method) {
       return find_asset(session.assets, FileKind::grid);
     case ViewMethod::cubemap:
       return find_asset(session.assets, FileKind::cubemap);
+    case ViewMethod::lobes:
+      return find_asset(session.assets, FileKind::lobes);
     case ViewMethod::sh9:
       return find_asset(session.assets, FileKind::sh9);
     case ViewMethod::difmap:
@@ -99,6 +103,20 @@ void add_marked_nodes(const Scene& scene, std::vector<std::string>& objects, std
   }
 }
 
+// A node of the scene is an object then; one of an object's file belongs to an object already.
+void add_occluder(const Scene& scene, const std::string& text, std::vector<std::string>& objects,
+                  std::vector<std::string>& assets) {
+  const std::size_t equals = text.rfind('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
+    throw UsageError(fmt::format("--occluder: '{}' is not NODE=TABLE.exr", text));
+  const std::string node = text.substr(0, equals);
+  const bool of_scene =
+      std::any_of(scene.nodes.begin(), scene.nodes.end(), [&](const SceneNode& n) { return n.name == node; });
+  if (of_scene && std::find(objects.begin(), objects.end(), node) == objects.end()) objects.push_back(node);
+  const std::string table = text.substr(equals + 1);
+  if (std::find(assets.begin(), assets.end(), table) == assets.end()) assets.push_back(table);
+}
+
 Camera choose_camera(const SessionInput& input, const ViewWorld& world) {
   const Scene& scene = world.scene();
   if (!input.camera.empty()) return find_camera(scene, input.camera);
@@ -127,6 +145,7 @@ ViewSession open_session(const SessionInput& input) {
   std::vector<std::string> names = input.objects;
   std::vector<std::string> files = input.assets;
   add_marked_nodes(loaded.scene, names, files);
+  for (const std::string& text : input.occluders) add_occluder(loaded.scene, text, names, files);
   for (const std::string& text : names) {
     if (const std::optional<ObjectFile> file = parse_object(text)) {
       objects.push_back(load_object(session, file->path, file->translation));
@@ -136,6 +155,7 @@ ViewSession open_session(const SessionInput& input) {
   }
   for (std::size_t i = 0; i < input.paths.size(); ++i) objects[i].path = parse_path(input.paths[i]);
 
+  for (const SphereLight& light : input.sphere_lights) add_sphere_light(loaded.scene, light, "--sphere-light");
   session.direct = runtime_lights(loaded.scene);
   add_object(session, make_object(file_name(input.scene), std::move(loaded.scene), V3f(0, 0, 0), false));
   for (ViewObject& object : objects) add_object(session, std::move(object));
@@ -144,6 +164,14 @@ ViewSession open_session(const SessionInput& input) {
   const Camera camera = choose_camera(input, session.world);
   session.world.camera = make_view_camera(camera, session.world.center_m, session.world.radius_m);
   for (const std::string& path : files) add_file(session, path, std::nullopt, input.size);
+  for (const std::string& text : input.spheres) {
+    const std::size_t at = text.rfind('@');
+    auto asset = load_view_asset(text.substr(0, at), FileKind::spheres);
+    if (at != std::string::npos) asset->offset_m = parse_vector3("--spheres", std::string_view(text).substr(at + 1));
+    session.assets.push_back(std::move(asset));
+  }
+  if (!session.world.scene().sphere_lights.empty() && find_asset(session.assets, FileKind::lobes) == nullptr)
+    session.assets.push_back(make_view_lobes());
   return session;
 }
 
@@ -216,6 +244,8 @@ void set_reference(ViewSession& session, const std::string& path, const Imath::V
 }
 
 std::string lacks(const ViewSession& session, ViewMethod method) {
+  if (method == ViewMethod::lobes && session.world.scene().sphere_lights.empty())
+    return "the scene has no spherical light (--sphere-light)";
   if (method == ViewMethod::none || method == ViewMethod::constant) return "";
   if (asset_for(session, method) == nullptr)
     return fmt::format("no asset that method {} reads was given", name(method));
@@ -252,7 +282,40 @@ void choose_method(ViewSession& session, std::size_t object, ViewMethod method) 
   session.lights[object] = {method, asset};
 }
 
-void place_objects_now(ViewSession& session) { place_occluders(session.occluders, session.world); }
+namespace {
+
+// A set that was fitted to an object's file goes where the object goes.
+V3f place_of_spheres(const ViewSession& session, const ViewAsset& asset) {
+  const auto hash = asset.spheres->metadata.find("mesh_hash");
+  if (hash == asset.spheres->metadata.end()) return asset.offset_m;
+  for (const ViewObject& object : session.world.objects) {
+    if (object.moves && hash->second == MetaValue(object.scene->content_hash))
+      return asset.offset_m + place(object, session.world.time_s);
+  }
+  return asset.offset_m;
+}
+
+void place_lobes(ViewSession& session) {
+  std::vector<BallLight> lights;
+  for (const SphereLight& light : session.world.scene().sphere_lights)
+    lights.push_back({{light.center, light.radius_m}, light.radiance_nits});
+  std::vector<Sphere> occluders;
+  for (const auto& asset : session.assets) {
+    if (!asset->spheres) continue;
+    const V3f offset = place_of_spheres(session, *asset);
+    for (const Sphere& sphere : asset->spheres->spheres) occluders.push_back({sphere.center + offset, sphere.radius_m});
+  }
+  for (const auto& asset : session.assets) {
+    if (asset->lobes) place(*asset->lobes, lights, occluders);
+  }
+}
+
+}  // namespace
+
+void place_objects_now(ViewSession& session) {
+  place_occluders(session.occluders, session.world);
+  place_lobes(session);
+}
 
 AmbientSource grid_source(const ViewAsset& asset, const ViewSettings& settings) {
   return ambient(asset.grid->gpu, {settings.lookup, settings.guard});
@@ -268,6 +331,9 @@ AmbientSource ambient_source(const ViewSession& session, std::size_t object) {
       return grid_source(*light.asset, settings);
     case ViewMethod::cubemap:
       return cubemap_ambient(*light.asset->cubemap, settings.cube_method);
+    case ViewMethod::lobes:
+      // What debug views show as irradiance is that of a Lambert surface.
+      return lobes_ambient(*light.asset->lobes, surface_debug_shader(settings.debug).empty());
     case ViewMethod::sh9:
       return ambient(*light.asset->sh9);
     case ViewMethod::difmap:

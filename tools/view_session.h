@@ -53,11 +53,14 @@ struct ViewSession {
 struct SessionInput {
   std::string scene;
   EnvironmentChoice environment;
-  std::string camera;                // name or index; empty: as ivory render chooses
-  Imath::V2i size{640, 480};         // of the picture
-  std::vector<std::string> objects;  // FILE@X,Y,Z or NODE
-  std::vector<std::string> paths;    // of the objects, in that order
-  std::vector<std::string> assets;   // files of any kind
+  std::string camera;                  // name or index; empty: as ivory render chooses
+  Imath::V2i size{640, 480};           // of the picture
+  std::vector<std::string> objects;    // FILE@X,Y,Z or NODE
+  std::vector<std::string> paths;      // of the objects, in that order
+  std::vector<std::string> assets;     // files of any kind
+  std::vector<std::string> occluders;  // NODE=TABLE.exr: objects and the tables they were baked into
+  std::vector<std::string> spheres;    // sphere sets: FILE.json or FILE.json@X,Y,Z
+  std::vector<SphereLight> sphere_lights;
 };
 
 // Loads all. Throws UsageError and Error as the parts do; nothing is half loaded.

@@ -1,5 +1,6 @@
 #include "tools/view_world.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "grid/error.h"
@@ -20,19 +21,15 @@ ViewObject make_object(std::string name, Scene scene, const V3f& offset_m, bool 
 }
 
 void measure(ViewWorld& world) {
+  // The sphere that an Intersector of all of them together would have, so that a framing view is that of ivory render.
   Box3f box;
   for (const ViewObject& object : world.objects) {
-    const V3f center = object.intersector->center() + object.offset_m;
-    const float r = object.intersector->radius_m();
-    box.extendBy(center - V3f(r, r, r));
-    box.extendBy(center + V3f(r, r, r));
+    const Box3f own = bounds(*object.scene);
+    box.extendBy(own.min + object.offset_m);
+    box.extendBy(own.max + object.offset_m);
   }
   world.center_m = box.center();
-  world.radius_m = 0;
-  for (const ViewObject& object : world.objects) {
-    const V3f center = object.intersector->center() + object.offset_m;
-    world.radius_m = std::max(world.radius_m, (center - world.center_m).length() + object.intersector->radius_m());
-  }
+  world.radius_m = std::max(box.size().length() * 0.505F, 1e-6F);
 }
 
 std::optional<Pick> pick(const ViewWorld& world, const Ray& ray) {
