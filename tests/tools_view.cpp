@@ -56,7 +56,7 @@ TEST_F(ViewCommand, SameCommandGivesTheSameBytes) {
     view(common + one);
     view(common + two + " --threads 1");
     EXPECT_FALSE(bytes_of(one).empty());
-    EXPECT_EQ(bytes_of(one), bytes_of(two)) << extension;
+    EXPECT_TRUE(bytes_of(one) == bytes_of(two)) << extension;
   }
 }
 
@@ -164,10 +164,10 @@ TEST_F(ViewCommand, EveryDebugViewDrawsSomethingElse) {
        {"none", "irradiance", "stored", "bracket", "kept", "guard", "vertices", "validity", "vectors"}) {
     view(common + "--debug " + debug);
     pictures.push_back(bytes_of(path("d.png")));
-    for (std::size_t i = 0; i + 1 < pictures.size(); ++i) EXPECT_NE(pictures[i], pictures.back()) << debug;
+    for (std::size_t i = 0; i + 1 < pictures.size(); ++i) EXPECT_TRUE(pictures[i] != pictures.back()) << debug;
   }
   view(common + "--debug irradiance --false-color");
-  EXPECT_NE(bytes_of(path("d.png")), pictures[1]);
+  EXPECT_TRUE(bytes_of(path("d.png")) != pictures[1]);
 }
 
 TEST_F(ViewCommand, ToneCurvesAndLinearFilesAreApart) {
@@ -178,7 +178,7 @@ TEST_F(ViewCommand, ToneCurvesAndLinearFilesAreApart) {
   for (const char* tone : {"neutral", "linear", "reinhard", "aces"}) {
     view(common + "--exposure 2 -o " + path("t.png") + " --tone " + tone);
     pictures.push_back(bytes_of(path("t.png")));
-    for (std::size_t i = 0; i + 1 < pictures.size(); ++i) EXPECT_NE(pictures[i], pictures.back()) << tone;
+    for (std::size_t i = 0; i + 1 < pictures.size(); ++i) EXPECT_TRUE(pictures[i] != pictures.back()) << tone;
   }
   // The curve of ivory render's own pictures, from the same light: PNGs differ by rounding to 8 bits alone.
   write_image(path("expected.png"), linear, 2, {}, true);
@@ -192,7 +192,7 @@ TEST_F(ViewCommand, ObjectsMoveOnTheirPaths) {
   const Json result = view(command);
   EXPECT_EQ(result.at("outputs").size(), 3U);
   for (const char* name : {"f_00.png", "f_01.png", "f_02.png"}) EXPECT_TRUE(fs::exists(path(name))) << name;
-  EXPECT_NE(bytes_of(path("f_00.png")), bytes_of(path("f_01.png")));
+  EXPECT_TRUE(bytes_of(path("f_00.png")) != bytes_of(path("f_01.png")));
   // Half of the period after the start it is there.
   const Json& offset = result.at("objects").at(1).at("offset_m");
   EXPECT_NEAR(offset.at(0).get<double>(), 1, 1e-6);
@@ -209,7 +209,7 @@ TEST_F(ViewCommand, NodesOfTheSceneAreObjects) {
     const Json result =
         view(room() + " --method constant --samples 1 --exposure 0 --object '" + name + "' -o " + path("taken.png"));
     EXPECT_EQ(result.at("objects").at(1).at("name"), name);
-    EXPECT_EQ(bytes_of(plain), bytes_of(path("taken.png"))) << name;
+    EXPECT_TRUE(bytes_of(plain) == bytes_of(path("taken.png"))) << name;
     break;
   }
 }

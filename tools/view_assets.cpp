@@ -68,9 +68,10 @@ Rgb mean_irradiance(const DifMap& map) {
 
 std::unique_ptr<GridAsset> upload_grid_asset(const std::string& path, const IrradianceGrid& grid) {
   auto asset = std::make_unique<GridAsset>();
-  asset->gpu = upload(grid);
+  // First, as it says which file is too large.
   asset->visible_fraction =
       gl::make_texture_3d(path, gl::Format::r16f, grid.frame.size, grid.visible_fraction.data(), gl::Filter::nearest);
+  asset->gpu = upload(grid);
   asset->typical_vector_lux = typical_vector(grid);
   asset->scene_hash = text_of(grid.metadata, "scene_hash");
   return asset;

@@ -22,7 +22,7 @@ vec3 ivory_output(IvorySurface s) {
   vec3 index = ivory_grid_to_index(ivory_grid, s.p + s.ng * ivory_grid.nudge_m);
   ivec3 vertex = clamp(ivec3(floor(index + 0.5)), ivec3(0), ivory_grid.size - 1);
   vec3 m[12];
-  ivory_vertex_moments(ivory_grid, ivory_grid_volumes, ivory_grid_trust, vertex, m);
+  ivory_vertex_moments(ivory_grid, ivory_grid_volumes, ivory_grid_trust, vertex, s.ns, m);
   return ivory_grid_irradiance(ivory_grid, m, s.ns);
 }
 )";
@@ -32,7 +32,7 @@ constexpr const char* bracket_shader = R"(
 vec3 ivory_output(IvorySurface s) {
   vec3 m[12];
   ivory_lookup_moments(ivory_grid, ivory_grid_volumes, ivory_grid_trust, ivory_grid_guard,
-                       s.p + s.ng * ivory_grid.nudge_m, m);
+                       s.p + s.ng * ivory_grid.nudge_m, s.ns, m);
   vec3 lower, upper;
   ivory_irradiance_bracket(m, s.ns * ivory_grid.local_to_world, lower, upper);
   const vec3 weights = vec3(0.2126, 0.7152, 0.0722);
@@ -60,10 +60,10 @@ vec3 ivory_output(IvorySurface s) {
   vec3 index = ivory_grid_to_index(ivory_grid, s.p + s.ng * ivory_grid.nudge_m);
   vec3 off[12];
   ivory_grid_unguarded(ivory_grid, ivory_grid_volumes, ivory_grid_trust, index, off);
-  ivory_grid_decode(ivory_grid, off);
+  ivory_grid_decode(ivory_grid, s.ns, off);
   vec3 on[12];
   ivory_grid_guarded(ivory_grid, ivory_grid_volumes, ivory_grid_trust, ivory_grid_guard, index, on);
-  ivory_grid_decode(ivory_grid, on);
+  ivory_grid_decode(ivory_grid, s.ns, on);
   return ivory_grid_irradiance(ivory_grid, off, s.ns) - ivory_grid_irradiance(ivory_grid, on, s.ns);
 }
 )";

@@ -151,7 +151,10 @@ class Viewer {
     dirty_ = true;
   }
 
+  // What changed since the last frame makes its points worthless.
   void draw_points(int up_to) {
+    if (dirty_) target_->reset();
+    dirty_ = false;
     while (target_->samples() < up_to) frame_->draw_point(*session_, *target_, pixel_point(target_->samples()));
   }
 
@@ -161,9 +164,7 @@ class Viewer {
     timer_->begin();
     attempt([&] {
       try {
-        if (dirty_) target_->reset();
-        dirty_ = false;
-        if (target_->samples() < state_.samples) draw_points(target_->samples() + 1);
+        if (dirty_ || target_->samples() < state_.samples) draw_points(dirty_ ? 1 : target_->samples() + 1);
         frame_->draw_display(*session_, *target_);
       } catch (const UsageError&) {
         // A view that lacks what it shows, after a resize or a removal.

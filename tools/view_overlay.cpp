@@ -83,7 +83,7 @@ void main() {
     fragment = vec4(color * (brightness * (0.6 + 0.4 * max(-dot(n, w), 0.0))), 1.0);
   } else {
     vec3 m[12];
-    ivory_vertex_moments(ivory_grid, ivory_grid_volumes, ivory_grid_trust, vertex, m);
+    ivory_vertex_moments(ivory_grid, ivory_grid_volumes, ivory_grid_trust, vertex, n, m);
     fragment = vec4(ivory_grid_irradiance(ivory_grid, m, n) / 3.14159265358979, 1.0);
   }
 }

@@ -33,18 +33,13 @@ Error no_window(const std::string& cause) {
 // GLFW calls back with its window, which knows ours.
 struct WindowCallbacks {
   static Window& of(GLFWwindow* window) { return *static_cast<Window*>(glfwGetWindowUserPointer(window)); }
-  static V2f cursor(GLFWwindow* window) {
-    double x = 0;
-    double y = 0;
-    glfwGetCursorPos(window, &x, &y);
-    return of(window).to_pixel(x, y);
-  }
   static void button(GLFWwindow* window, int button, int action, int mods) {
     of(window).events_.push_back(
-        MouseButtonEvent{button, action == GLFW_PRESS, cursor(window), (mods & GLFW_MOD_SHIFT) != 0});
+        MouseButtonEvent{button, action == GLFW_PRESS, of(window).cursor_, (mods & GLFW_MOD_SHIFT) != 0});
   }
   static void move(GLFWwindow* window, double x, double y) {
-    of(window).events_.push_back(MouseMoveEvent{of(window).to_pixel(x, y)});
+    of(window).cursor_ = of(window).to_pixel(x, y);
+    of(window).events_.push_back(MouseMoveEvent{of(window).cursor_});
   }
   static void scroll(GLFWwindow* window, double, double y) { of(window).events_.push_back(ScrollEvent{float(y)}); }
   static void key(GLFWwindow* window, int key, int, int action, int mods) {
@@ -53,7 +48,7 @@ struct WindowCallbacks {
         KeyEvent{key, action == GLFW_PRESS, (mods & GLFW_MOD_SHIFT) != 0, (mods & GLFW_MOD_CONTROL) != 0});
   }
   static void drop(GLFWwindow* window, int count, const char** paths) {
-    of(window).events_.push_back(DropEvent{std::vector<std::string>(paths, paths + count), cursor(window)});
+    of(window).events_.push_back(DropEvent{std::vector<std::string>(paths, paths + count), of(window).cursor_});
   }
   static void focus(GLFWwindow* window, int focused) {
     if (focused == 0) of(window).events_.push_back(FocusLostEvent{});

@@ -63,6 +63,7 @@ class Window {
 
   GLFWwindow* window_ = nullptr;
   std::vector<WindowEvent> events_;
+  V2f cursor_{0, 0};  // where the events so far left it: GLFW itself only knows where it is now
 };
 
 }  // namespace ivory

@@ -59,6 +59,7 @@ EnvironmentImage load_environment_image(const std::string& path, std::optional<E
     throw Error(path, "cannot be read as an image", "give a lat-long EXR, HDR or other image file");
   }
   const OIIO::ImageSpec spec = input->spec();
+  if (spec.depth > 1) throw Error(path, "is a volume, no image", "give a lat-long EXR, HDR or other image file");
   if (spec.nchannels < 1) throw Error(path, "has no colour channels", "give an image with one or three channels");
   if (const std::string_view asset = spec.get_string_attribute("ivory:asset"); !asset.empty())
     throw Error(path, "is baked (" + std::string(asset) + "), no environment map",

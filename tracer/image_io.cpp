@@ -118,6 +118,7 @@ Film read_image(const std::string& path) {
     throw Error(path, "cannot be read as an image", "give an EXR or other image file");
   }
   const OIIO::ImageSpec spec = input->spec();
+  if (spec.depth > 1) throw Error(path, "is a volume, no image", "give an EXR or other image file");
   const int channels = spec.nchannels >= 3 ? 3 : 1;
   Film film;
   film.width = spec.width;
