@@ -149,6 +149,7 @@ void add_bench_command(CLI::App& app, CommonOptions& common) {
   add_bench_sh9_command(*bench, common);
   add_bench_fiv_command(*bench, common);
   add_bench_stability_command(*bench, common);
+  add_bench_gaussians_command(*bench, common);
 }
 
 }  // namespace ivory

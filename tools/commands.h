@@ -23,10 +23,12 @@ void add_compare_command(CLI::App& app, CommonOptions& common);
 void add_view_command(CLI::App& app, CommonOptions& common);
 void add_info_command(CLI::App& app, CommonOptions& common);
 void add_bench_command(CLI::App& app, CommonOptions& common);
+void add_chart_command(CLI::App& app, CommonOptions& common);
 // `bench` is the `ivory bench` command.
 void add_bench_cubemap_command(CLI::App& bench, CommonOptions& common);
 void add_bench_fiv_command(CLI::App& bench, CommonOptions& common);
 void add_bench_sh9_command(CLI::App& bench, CommonOptions& common);
 void add_bench_stability_command(CLI::App& bench, CommonOptions& common);
+void add_bench_gaussians_command(CLI::App& bench, CommonOptions& common);
 
 }  // namespace ivory

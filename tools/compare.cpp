@@ -16,31 +16,48 @@ namespace {
 struct CompareOptions {
   std::string image;
   std::string reference;
+  std::string second;
 };
+
+Film read_reference(const std::string& path, const std::string& image_path, const Film& image) {
+  Film reference = read_image(path);
+  if (image.width != reference.width || image.height != reference.height) {
+    throw Error(image_path,
+                fmt::format("is {} x {}, the reference {} is {} x {}", image.width, image.height, path, reference.width,
+                            reference.height),
+                "render both with the same --size");
+  }
+  return reference;
+}
 
 void run_compare(const CompareOptions& options, const CommonOptions& common) {
   const Film image = read_image(options.image);
-  const Film reference = read_image(options.reference);
-  if (image.width != reference.width || image.height != reference.height) {
-    throw Error(options.image,
-                fmt::format("is {} x {}, the reference {} is {} x {}", image.width, image.height, options.reference,
-                            reference.width, reference.height),
-                "render both with the same --size");
-  }
-  const ImageDifference d = compare_images(image, reference);
+  const Film reference = read_reference(options.reference, options.image, image);
+  const bool two = !options.second.empty();
+  const ImageDifference d = two ? compare_images(image, reference, read_reference(options.second, options.image, image))
+                                : compare_images(image, reference);
   // JSON has no infinity: a flat reference gives null.
   nlohmann::ordered_json result;
   result["image"] = options.image;
   result["reference"] = options.reference;
+  if (two) result["second_reference"] = options.second;
   result["nrmse"] = d.nrmse;
   result["relative_rmse"] = d.relative_rmse;
   result["rmse"] = d.rmse;
   result["max"] = d.max;
   result["bias"] = d.bias;
   result["reference_mean"] = d.reference_mean;
-  print_result(common, result,
-               fmt::format("nrmse {:.6g}\nrelative_rmse {:.6g}\nrmse {:.6g}\nmax {:.6g}\nbias {:.6g}\n", d.nrmse,
-                           d.relative_rmse, d.rmse, d.max, d.bias));
+  result["nrmse_standard_error"] = d.nrmse_standard_error;
+  result["relative_rmse_standard_error"] = d.relative_rmse_standard_error;
+  std::string text = fmt::format("nrmse {:.6g}\nrelative_rmse {:.6g}\nrmse {:.6g}\nmax {:.6g}\nbias {:.6g}\n", d.nrmse,
+                                 d.relative_rmse, d.rmse, d.max, d.bias);
+  if (two) {
+    result["reference_nrmse"] = d.reference_nrmse;
+    result["reference_relative_rmse"] = d.reference_relative_rmse;
+    text += fmt::format("reference_nrmse {:.6g}\nreference_relative_rmse {:.6g}\n", d.reference_nrmse,
+                        d.reference_relative_rmse);
+  }
+  print_result(common, result, text);
 }
 
 }  // namespace
@@ -52,11 +69,19 @@ void add_compare_command(CLI::App& app, CommonOptions& common) {
   command->add_option("reference", options->reference, "Picture taken as truth, of the same size")
       ->required()
       ->type_name("REF");
+  command
+      ->add_option(
+          "second", options->second,
+          "The same picture with noise of its own, as by another --seed: the references' noise is then left out")
+      ->type_name("REF2");
   command->footer(
       "Over all pixels and the channels red, green and blue, a in A and b in REF:\n"
       "  nrmse          root of mean (a-b)^2, divided by max b - min b\n"
       "  relative_rmse  root of mean (a-b)^2 / (b^2 + (0.01 mean b)^2)\n"
       "  max, bias      largest |a-b|, mean a-b\n"
+      "With c in REF2, (a-b)(a-c) takes the place of (a-b)^2 and (b+c)/2 that of b; reference_nrmse and\n"
+      "reference_relative_rmse are the noise left in (b+c)/2. The JSON result adds standard errors of nrmse and\n"
+      "relative_rmse, from blocks of 8x8 pixels.\n"
       "Example:\n"
       "  ivory compare gather.exr path.exr --json");
   set_action(*command, common, Output::none, [options, &common] { run_compare(*options, common); });

@@ -33,6 +33,12 @@ Json ledger_json(const GridSums& sums) {
           {"terminated", counter("ledger_terminated") / emitted}};
 }
 
+// Bytes a stored vertex of what look-ups read: moments, visible fraction, compact guard.
+std::int64_t bytes_read(const GridSums& sums) {
+  return std::int64_t(function_count(sums.basis)) * 3 * std::int64_t(sizeof(float)) + std::int64_t(sizeof(float)) +
+         (sums.guard.empty() ? 0 : std::int64_t(sizeof(GuardRecord)));
+}
+
 }  // namespace
 
 bool is_whole(const GridSums& sums) { return sums.photon_begin == 0 && sums.photon_end == whole_photons(sums); }
@@ -58,6 +64,7 @@ Json write_result(const std::string& path, const GridSums& sums, bool finished, 
               {"origin_m", {shortest(frame.origin_m.x), shortest(frame.origin_m.y), shortest(frame.origin_m.z)}},
               {"vertices", frame.vertex_count()},
               {"vertices_stored", stored},
+              {"memory_bytes", stored * bytes_read(sums)},
               {"photons", whole_photons(sums)},
               {"photon_range", {sums.photon_begin, sums.photon_end}},
               {"energy", ledger_json(sums)}};

@@ -59,6 +59,7 @@ int run(int argc, char** argv) {
   ivory::add_compare_command(app, common);
   ivory::add_info_command(app, common);
   ivory::add_bench_command(app, common);
+  ivory::add_chart_command(app, common);
 
   try {
     app.parse(argc, argv);

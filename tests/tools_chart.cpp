@@ -1,0 +1,106 @@
+// ivory chart as a script meets it: a tiny curve, measured, gone on with, drawn.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/command_test.h"
+
+namespace ivory {
+namespace {
+
+namespace fs = std::filesystem;
+
+class ChartCommand : public CommandTest {
+ protected:
+  void SetUp() override {
+    CommandTest::SetUp();
+    if (run_ivory("chart sh9 --list --only none -o " + path("probe")).output.find("finds no Python") !=
+        std::string::npos)
+      GTEST_SKIP() << "no Python with matplotlib";
+  }
+  // Four points on the bundled sky: a second of work.
+  std::string chart(const std::string& more = "") const {
+    return "chart sh9 --threads 1 --only 'sh9/sky/sh/*' --only 'sh9/sky/irradiance_map/4' -o " + path("out") + " " +
+           more;
+  }
+  std::string read(const std::string& name) const { return bytes_of(path("out/" + name)); }
+};
+
+int lines(const std::string& text) { return int(std::count(text.begin(), text.end(), '\n')); }
+
+TEST_F(ChartCommand, MeasuresGoesOnAndDraws) {
+  const RunResult first = run_ivory(chart());
+  ASSERT_EQ(first.exit_code, 0) << first.output;
+  const std::string log = read("results.jsonl");
+  int points = 0;
+  std::size_t begin = 0;
+  for (std::size_t end = log.find('\n'); end != std::string::npos; begin = end + 1, end = log.find('\n', begin)) {
+    const auto record = nlohmann::json::parse(log.substr(begin, end - begin));
+    for (const char* field : {"key", "kind", "version", "build", "machine"})
+      EXPECT_TRUE(record.contains(field)) << field;
+    if (record.at("kind") == "step") {
+      for (const char* field : {"command", "seed", "wall_s", "peak_memory_bytes", "load", "result"})
+        EXPECT_TRUE(record.contains(field)) << field;
+      EXPECT_GT(record.at("peak_memory_bytes").get<double>(), 1e6);
+      continue;
+    }
+    ++points;
+    EXPECT_GE(record.at("nrmse").get<double>(), 0);
+    EXPECT_GT(record.at("time_s").get<double>(), 0);
+    // Order 0 is a constant: the bundled sky is far from that; nine coefficients hold it to 4 %.
+    if (record.at("label") == "order 0") {
+      EXPECT_GT(record.at("nrmse").get<double>(), 0.2);
+    } else if (record.at("label") == "order 2") {
+      EXPECT_LT(record.at("nrmse").get<double>(), 0.05);
+    }
+  }
+  EXPECT_EQ(points, 4);
+  for (const char* name : {"sh9_order.svg", "sh9_order.png", "index.html"}) EXPECT_GT(read(name).size(), 1000U) << name;
+  const std::string page = read("index.html");
+  EXPECT_NE(page.find("src=\"data:image/svg+xml;base64,"), std::string::npos);
+  EXPECT_EQ(page.find("src=\"sh9"), std::string::npos) << "the page must hold its pictures";
+
+  // Nothing is measured twice.
+  ASSERT_EQ(run_ivory(chart()).exit_code, 0);
+  EXPECT_EQ(read("results.jsonl"), log);
+  EXPECT_EQ(lines(run_ivory(chart("--list")).output), 4);
+
+  // A run that was cut short in the middle of a line, its files gone, ends in the same results.
+  const std::size_t cut = log.rfind('\n', log.size() - 2) + 20;
+  fs::resize_file(path("out/results.jsonl"), cut);
+  fs::remove_all(path("out/work"));
+  ASSERT_EQ(run_ivory(chart()).exit_code, 0);
+  const auto last = [](const std::string& text) {
+    return nlohmann::json::parse(text.substr(text.rfind('\n', text.size() - 2) + 1));
+  };
+  EXPECT_EQ(last(read("results.jsonl")).at("nrmse"), last(log).at("nrmse"));
+  EXPECT_EQ(last(read("results.jsonl")).at("key"), last(log).at("key"));
+}
+
+TEST_F(ChartCommand, FillsTablesOfADocument) {
+  const std::string document = path("accuracy.md");
+  std::ofstream(document) << "# Accuracy\n\n<!-- chart: sh9 -->\nold\n<!-- /chart -->\nKept.\n<!-- chart: none "
+                             "-->\nstays\n<!-- /chart -->\n";
+  const RunResult run = run_ivory(chart("--fill " + document));
+  ASSERT_EQ(run.exit_code, 0) << run.output;
+  EXPECT_NE(run.output.find("no table none"), std::string::npos) << run.output;
+  const std::string text = bytes_of(document);
+  EXPECT_EQ(text.find("old"), std::string::npos);
+  EXPECT_NE(text.find("| sky |"), std::string::npos) << text;
+  EXPECT_NE(text.find("Kept."), std::string::npos);
+  EXPECT_NE(text.find("stays"), std::string::npos);
+}
+
+TEST_F(ChartCommand, BadRequests) {
+  expect_one_line("chart", 2, "suite");
+  expect_one_line("chart quick", 2, "output");
+  EXPECT_EQ(run_ivory("chart nonsense -o " + path("out")).exit_code, 2);
+  expect_one_line("chart sh9 --only nothing_is_called_so -o " + path("out"), 1, "nothing was measured");
+}
+
+}  // namespace
+}  // namespace ivory

@@ -1,0 +1,132 @@
+"""Irradiance-vector grids beside path tracing and a photon map: whole pictures of indirect light."""
+import tables
+from runner import File, Out, Point, Step
+
+TITLE = "Indirect light: irradiance-vector grids, path tracing, photon maps"
+ABOUT = """Indirect light alone, the bake counted. Every picture is compared with two independent path-traced ones whose own noise is
+left out of the error (`ivory compare A REF REF2`); what is left of it in their mean is the grey floor. `16 vertices` are those
+along the longest side; labels on the marks are photons, samples or gather rays."""
+
+SIZE = {"quick": "120x90", "full": "240x180"}
+REFERENCE_SAMPLES = {"quick": "1k", "full": "4k"}
+DIRECT_SAMPLES, GATHER_SAMPLES = 16, 4
+
+
+def scenes(suite, inputs):
+    """{name: (scene, options)}"""
+    found = {"Cornell box": (inputs.bundled("cornell_box.gltf"), ()), "two rooms": (inputs.bundled("two_rooms.gltf"), ())}
+    if suite != "full":
+        return found
+    bunny = inputs.bunny_room()
+    if bunny:
+        found["bunny's room"] = (bunny[0], ())
+    interior = inputs.sample("gltf/cornellbox_stratum/cornellbox.gltf")
+    if interior:
+        found["interior"] = (inputs.with_camera(interior, "interior.gltf", (3.2, 1.2, 0.0), (0.2, 0.8, 0.0), 0.9), ())
+    garden, sun = inputs.sample("gltf/japanese_bridge_garden.glb"), inputs.sample("env/noon_grass_1k.hdr")
+    if garden and sun:
+        placed = inputs.with_camera(garden, "garden.glb", (4.2, 3.6, 5.2), (0.0, 1.2, 0.3), 0.7)
+        found["sunlit garden"] = (placed, ("--env", File(sun)))
+    return found
+
+
+def count(text):
+    return int(float(text[:-1]) * {"k": 1e3, "m": 1e6, "g": 1e9}[text[-1]]) if text[-1] in "kmg" else int(text)
+
+
+def plan(suite):
+    """(vertices along the long side, photons) of grids read directly."""
+    if suite == "full":
+        return ((8, ("125k", "500k", "2m")), (16, ("125k", "500k", "2m", "8m")), (32, ("500k", "2m", "8m", "32m")),
+                (64, ("2m", "8m", "32m")))
+    return ((8, ("100k", "400k")), (16, ("100k", "400k")), (32, ("400k", "1600k")))
+
+
+class Scene:
+    def __init__(self, name, path, options, suite, runner):
+        self.name, self.file, self.options, self.size = name, File(path), options, SIZE[suite]
+        info = runner.result(Step(("info", self.file)))["result"]
+        self.extent = max(b - a for a, b in zip(info["bounds_min_m"], info["bounds_max_m"]))
+        self.references = [Step(("render", self.file, *options, "--method", "path", "--samples", REFERENCE_SAMPLES[suite],
+                                 "--size", self.size, "--seed", seed, "--indirect-only", Out("exr"))) for seed in (101, 102)]
+
+    def bake(self, vertices, photons, *options):
+        voxel = f"{1.00001 * self.extent / vertices:.7g}"
+        return Step(("bake", "grid", self.file, *self.options, "--voxel-size", voxel, "--photons", photons, *options, Out("vdb")),
+                    timed=True)
+
+    def render(self, method, samples, *options):
+        return Step(("render", self.file, *self.options, "--method", method, "--samples", samples, "--size", self.size,
+                     "--indirect-only", *options, Out("exr")), timed=True)
+
+    def point(self, series, label, picture, bake=None, join=True):
+        compare = Step(("compare", picture, *self.references))
+        steps = [s for s in (bake, picture, compare) if s]
+
+        def measure(run):
+            return {**errors(run.result(compare)),
+                    "memory_bytes": run.result(bake)["memory_bytes"] if bake else run.result(picture).get("map_bytes", 0)}
+
+        return Point("grid", self.name, series, label, steps, measure, join)
+
+
+def errors(result):
+    return {"nrmse": result["nrmse"], "nrmse_se": result["nrmse_standard_error"], "nrmse_floor": result["reference_nrmse"],
+            "relative_rmse": result["relative_rmse"], "relative_rmse_se": result["relative_rmse_standard_error"],
+            "relative_rmse_floor": result["reference_relative_rmse"]}
+
+
+def scene_points(scene, suite):
+    full = suite == "full"
+    for samples in (1, 4, 16, 64, 256) if full else (1, 4, 16, 64):
+        yield scene.point("path tracing", str(samples), scene.render("path", samples))
+    for neighbours, photons in ((50, ("30k", "100k", "300k", "1m", "3m")), (200, ("300k", "3m"))) if full else ((50, ("30k", "100k", "300k")),):
+        for n in photons:
+            yield scene.point(f"photon map, {neighbours} neighbours", n,
+                              scene.render("photonmap", DIRECT_SAMPLES, "--photons", n, "--neighbours", neighbours))
+    for n in ("100k", "1m") if full else ("100k",):
+        yield scene.point("photon map behind 16 gather rays", n,
+                          scene.render("photonmap", GATHER_SAMPLES, "--photons", n, "--gather", 16))
+
+    def direct(series, label, bake, *options, join=False):
+        return scene.point(series, label, scene.render("direct", DIRECT_SAMPLES, "--grid", bake, *options), bake, join)
+
+    for vertices, photons in plan(suite):
+        for n in photons:
+            yield direct(f"grid, {vertices} vertices", n, scene.bake(vertices, n), join=True)
+    for vertices, photons in ((16, "500k"), (32, "2m")) if full else ((16, "400k"),):
+        bake = scene.bake(vertices, photons)
+        for rays in (4, 16, 64) if full else (4, 16):
+            yield scene.point(f"grid, {vertices} vertices, behind gather rays", str(rays),
+                              scene.render("gather", GATHER_SAMPLES, "--gather", rays, "--grid", bake), bake)
+
+    vertices, photons = (32, "2m") if full else (16, "400k")
+    bake = scene.bake(vertices, photons)
+    for estimator in ("face", "face_paper"):
+        yield direct("other estimators", estimator, scene.bake(vertices, photons, "--estimator", estimator))
+    for basis in ("vectors9", "sh9", "ambient_cube", "sh4"):
+        yield direct("other bases", basis, scene.bake(vertices, photons, "--basis", basis))
+    yield direct("paper's remap", f"{vertices}", bake, "--reconstruction", "paper")
+    yield direct("tricubic", f"{vertices}", bake, "--interpolation", "tricubic")
+    yield direct("guard by planes", f"{vertices}", bake, "--guard", "planes")
+    yield direct("no guard", f"{vertices}", scene.bake(vertices, photons, "--guard", "off"), "--guard", "off")
+
+
+def points(suite, inputs, runner):
+    return [point for name, (path, options) in scenes(suite, inputs).items()
+            for point in scene_points(Scene(name, path, options, suite, runner), suite)]
+
+
+def draw(records, figures):
+    for name in dict.fromkeys(r["panel"] for r in records):
+        here = [r for r in records if r["panel"] == name]
+        figures.costs(here, "grid_" + name.replace(" ", "_").replace("'", ""), f"Indirect light: {name}", "")
+
+
+def page_tables(records):
+    return [(f"All points: {name}", *tables.points_table([r for r in records if r["panel"] == name]))
+            for name in dict.fromkeys(r["panel"] for r in records)]
+
+
+def markdown_tables(records):
+    return {"grid_front": tables.front_table(records)}

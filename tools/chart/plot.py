@@ -1,0 +1,168 @@
+"""Charts of error against cost: log-log, error bars, the references' own error as a floor, the Pareto front marked."""
+import math
+import os
+
+import matplotlib
+
+matplotlib.use("Agg")
+from matplotlib import pyplot, ticker  # noqa: E402
+
+pyplot.rcParams.update({"font.size": 9, "axes.grid": True, "grid.alpha": 0.25, "axes.axisbelow": True, "legend.fontsize": 8,
+                        "legend.frameon": False, "savefig.dpi": 120, "svg.fonttype": "none", "svg.hashsalt": "ivory",
+                        "axes.spines.top": False, "axes.spines.right": False})
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#7f3c8d", "#4d4d4d", "#80b918", "#a83232")
+MARKS = "osD^vP*X<>"
+
+
+def pareto(records, x, y):
+    """Those that no other is both cheaper and better than, by cost."""
+    best, front = math.inf, []
+    for r in sorted((r for r in records if r.get(x, 0) > 0 and r.get(y, 0) > 0), key=lambda r: (r[x], r[y])):
+        if r[y] < best:
+            best = r[y]
+            front.append(r)
+    return front
+
+
+def plain(x, _=None):
+    return f"{x:.10f}".rstrip("0").rstrip(".") if 1e-4 <= x < 1e6 else f"{x:.0e}"
+
+
+def percent(x, _=None):
+    return plain(100 * x) + " %"
+
+
+def size(x, _=None):
+    for unit, scale in (("MB", 1e6), ("kB", 1e3)):
+        if x >= scale:
+            return f"{plain(x / scale)} {unit}"
+    return f"{plain(x)} B"
+
+
+def logarithmic(axis, form):
+    """Ticks at 1, 2, 5; over many decades at each, or at every few. What is zero or below stays linear around zero."""
+    data = [v for line in axis.axes.lines for v in (line.get_xdata() if axis.axis_name == "x" else line.get_ydata())]
+    positive = [abs(v) for v in data if isinstance(v, (int, float)) and v != 0]
+    if positive and any(isinstance(v, (int, float)) and v <= 0 for v in data):
+        scale = {"linthresh": min(positive), "linscale": 0.4}
+        (axis.axes.set_xscale if axis.axis_name == "x" else axis.axes.set_yscale)("symlog", **scale)
+        return
+    axis.axes.set_xscale("log") if axis.axis_name == "x" else axis.axes.set_yscale("log")
+    low, high = axis.get_view_interval()
+    decades = math.log10(high / low) if low > 0 else 1
+    axis.set_major_locator(ticker.LogLocator(subs=(1, 2, 5) if decades < 2.5 else (1,), numticks=12))
+    axis.set_minor_locator(ticker.NullLocator() if decades < 2.5 else ticker.LogLocator(subs=range(2, 10), numticks=12))
+    axis.set_minor_formatter(ticker.NullFormatter())
+    axis.set_major_formatter(ticker.FuncFormatter(form))
+
+
+FORMATS = {"memory_bytes": size, "nrmse": percent, "relative_rmse": percent}
+
+
+class Figures:
+    """Writes NAME.svg and NAME.png into the folder and remembers them for the page."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.made = []  # (name, title, caption)
+
+    def save(self, figure, name, title, caption=""):
+        for extension, options in (("svg", {"metadata": {"Date": None}}), ("png", {})):
+            path = os.path.join(self.folder, f"{name}.{extension}")
+            figure.savefig(f"{path}.part", format=extension, bbox_inches="tight", **options)
+            os.replace(f"{path}.part", path)
+        pyplot.close(figure)
+        self.made.append((name, title, caption))
+
+    def costs(self, records, name, title, caption, axes=None, names=None):
+        """One panel a pair (cost, error) of `axes`; one line a series. names: other titles of axes than NAMES."""
+        axes = axes or (("time_s", "nrmse"), ("memory_bytes", "nrmse"), ("time_s", "relative_rmse"),
+                        ("memory_bytes", "relative_rmse"))
+        axes = [(x, y) for x, y in axes if any(r.get(x, 0) > 0 and r.get(y, 0) > 0 for r in records)]
+        if not axes:
+            return
+        columns = 2 if len(axes) > 1 else 1
+        rows = (len(axes) + columns - 1) // columns
+        figure, panels = pyplot.subplots(rows, columns, figsize=(5.6 * columns, 4.1 * rows), squeeze=False,
+                                         constrained_layout=True)
+        series = list(dict.fromkeys(r["series"] for r in records))
+        for panel, (x, y) in zip(panels.flat, axes):
+            for i, s in enumerate(series):
+                self._line(panel, [r for r in records if r["series"] == s], x, y, s, i)
+            self._frame(panel, records, x, y, {**NAMES, **(names or {})})
+        for panel in panels.flat[len(axes):]:
+            panel.remove()
+        handles = {}
+        for panel in panels.flat[:len(axes)]:
+            for handle, label in zip(*panel.get_legend_handles_labels()):
+                handles.setdefault(label, handle)
+        figure.legend(handles.values(), handles.keys(), loc="center left", bbox_to_anchor=(1.0, 0.5))
+        figure.suptitle(title, fontsize=11)
+        self.save(figure, name, title, caption)
+
+    @staticmethod
+    def _line(panel, records, x, y, label, i):
+        points = sorted((r for r in records if r.get(x, 0) > 0 and r.get(y, 0) > 0), key=lambda r: r[x])
+        if not points:
+            return
+        xs, ys = [r[x] for r in points], [r[y] for r in points]
+        error = [min(r.get(f"{y}_se", 0), 0.9 * r[y]) for r in points]
+        colour, mark = COLOURS[i % len(COLOURS)], MARKS[(i + i // len(COLOURS)) % len(MARKS)]
+        panel.errorbar(xs, ys, yerr=error if any(error) else None, fmt=mark + ("-" if points[0].get("join", True) else ""), color=colour, markersize=4.5, linewidth=1,
+                       elinewidth=0.8, label=label, markerfacecolor=colour if i < len(COLOURS) else "white")
+        for r, px, py in zip(points, xs, ys):
+            panel.annotate(r["label"], (px, py), textcoords="offset points", xytext=(4, 3), fontsize=5.5, color=colour)
+
+    @staticmethod
+    def _frame(panel, records, x, y, names):
+        for axis, kind in ((panel.xaxis, x), (panel.yaxis, y)):
+            logarithmic(axis, FORMATS.get(kind, plain))
+        panel.set_xlabel(names.get(x, x))
+        panel.set_ylabel(names.get(y, y))
+        floor = max((r.get(f"{y}_floor", 0) for r in records), default=0)
+        if floor > 0:
+            panel.axhspan(floor / 3, floor, color="#999999", alpha=0.25, linewidth=0, label="below the reference's standard error")
+        front = pareto(records, x, y)
+        if front:
+            panel.plot([r[x] for r in front], [r[y] for r in front], "--", color="black", linewidth=0.9, alpha=0.6, zorder=1)
+            panel.plot([r[x] for r in front], [r[y] for r in front], "o", color="black", fillstyle="none", markersize=9,
+                       markeredgewidth=0.8, linestyle="none", label="Pareto front", zorder=1)
+
+    def sweep(self, name, title, caption, panels, columns=None, bounds=()):
+        """panels: [(title, x name, y name, log x, log y, [(label, xs, ys, errors or None, style)])].
+
+        bounds: for each line of a single panel, [(x, bound)], drawn as dashes."""
+        columns = columns or min(len(panels), 3)
+        rows = (len(panels) + columns - 1) // columns
+        figure, axes = pyplot.subplots(rows, columns, figsize=(4.6 * columns + 0.6, 3.6 * rows), squeeze=False,
+                                       constrained_layout=True)
+        for panel, (subtitle, x_name, y_name, log_x, log_y, lines) in zip(axes.flat, panels):
+            for i, (label, xs, ys, errors, style) in enumerate(lines):
+                panel.errorbar(xs, ys, yerr=errors, fmt=style or (MARKS[i % len(MARKS)] + "-"), color=COLOURS[i % len(COLOURS)],
+                               markersize=4, linewidth=1, elinewidth=0.8, label=label)
+            for i, bound in enumerate(bounds):
+                if bound:
+                    panel.plot(*zip(*bound), "--" if len(bound) > 1 else "_", color=COLOURS[i % len(COLOURS)], linewidth=0.8, alpha=0.7)
+            panel.set_title(subtitle, fontsize=9)
+            panel.set_xlabel(x_name)
+            panel.set_ylabel(y_name)
+            if log_x:
+                logarithmic(panel.xaxis, size if x_name == "memory" else plain)
+            if log_y:
+                logarithmic(panel.yaxis, percent if y_name in PERCENT else plain)
+        handles = {}
+        for panel in axes.flat[:len(panels)]:
+            for handle, label in zip(*panel.get_legend_handles_labels()):
+                handles.setdefault(label, handle)
+        if len(handles) > 1:
+            figure.legend(handles.values(), handles.keys(), loc="center left", bbox_to_anchor=(1.0, 0.5))
+        for panel in axes.flat[len(panels):]:
+            panel.remove()
+        figure.suptitle(title, fontsize=11)
+        self.save(figure, name, title, caption)
+
+
+PERCENT = ("NRMSE", "relative RMSE", "RMS error / mean E")
+NAMES = {"time_s": "time, s (bake and picture)", "memory_bytes": "memory that light is read from", "nrmse": "NRMSE",
+         "relative_rmse": "relative RMSE", "picture_s": "time of a picture, the bake left out, s", "read_ns": "time of one reading, ns", "floats": "floats a channel",
+         "bake_s": "time of the bake, s"}

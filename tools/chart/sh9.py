@@ -1,0 +1,84 @@
+"""Distant light: spherical harmonics by order and window, and irradiance maps by size, over all environments at hand."""
+import probes
+import tables
+from runner import File, Out, Point, Step
+
+TITLE = "Distant light: SH9 and irradiance maps"
+ABOUT = """E at random normals against an irradiance map of 256 texels an edge, whose own error bound is the floor; RMS over normals and
+colours, divided by the mean E. Time is that of the bake."""
+
+REFERENCE_SIZE = 256
+
+
+def points(suite, inputs, runner):
+    count = 2000 if suite == "full" else 500
+    normals = File(probes.normals(inputs.path(f"normals_{count}.csv"), count))
+    sizes = (4, 8, 16, 32, 64, 128) if suite == "full" else (4, 16, 64)
+    windows = ("none", "auto", "3", "4", "6") if suite == "full" else ("none", "auto", "4")
+    found = []
+    for name, path in inputs.environments().items():
+        environment = File(path)
+        reference = Step(("bake", "difmap", environment, "--size", REFERENCE_SIZE, Out("exr")))
+        truth = Step(("probe", reference, "--points", normals, Out("csv")))
+
+        def add(series, label, bake, memory, reference=reference, truth=truth, name=name):
+            probe = Step(("probe", bake, "--points", normals, Out("csv")))
+
+            def measure(run):
+                # The bound is a fraction of the light of the whole sphere, four times the mean E.
+                return {**probes.errors(probes.rows(run.output(probe)), probes.rows(run.output(truth)), by_mean=True),
+                        "nrmse_floor": 4 * run.result(reference)["error_bound"] / max(run.result(reference)["total_radiance"]),
+                        "memory_bytes": memory, "least": run.result(bake).get("least_irradiance_lux")}
+
+            found.append(Point("sh9", name, series, label, [bake, truth, reference, probe], measure))
+
+        for order in (0, 1, 2):
+            add("SH", f"order {order}", Step(("bake", "sh9", environment, "--order", order, Out("json")), timed=True), 12 * (order + 1) ** 2)
+        for window in windows[1:]:
+            add("SH9, window", window, Step(("bake", "sh9", environment, "--order", 2, "--window", window, Out("json")), timed=True), 108)
+        for size in sizes:
+            add("irradiance map", str(size), Step(("bake", "difmap", environment, "--size", size, Out("exr")), timed=True),
+                6 * size * size * 12)
+    return found
+
+
+def draw(records, figures):
+    names = list(dict.fromkeys(r["panel"] for r in records))
+
+    def lines(series, x):
+        return [(name, [x(r) for r in records if r["panel"] == name and r["series"] == series],
+                 [r["nrmse"] for r in records if r["panel"] == name and r["series"] == series], None, None) for name in names]
+
+    windows = ["none", *dict.fromkeys(r["label"] for r in records if r["series"] == "SH9, window")]
+    by_window = []
+    for name in names:
+        here = {r["label"]: r["nrmse"] for r in records if r["panel"] == name and r["series"] == "SH9, window"}
+        here["none"] = next((r["nrmse"] for r in records if r["panel"] == name and r["label"] == "order 2"), None)
+        ready = [w for w in windows if here.get(w)]
+        by_window.append((name, ready, [here[w] for w in ready], None, None))
+    figures.sweep("sh9_order", "Distant light: error against memory, by environment", "", [
+        ("spherical harmonics, order 0 to 2", "memory", "RMS error / mean E", True, True, lines("SH", lambda r: r["memory_bytes"])),
+        ("irradiance maps, by texels along an edge", "memory", "RMS error / mean E", True, True,
+         lines("irradiance map", lambda r: r["memory_bytes"])),
+        ("nine coefficients, by window", "window", "RMS error / mean E", False, True, by_window)], columns=3)
+    figures.sweep("sh9_time", "Distant light: error against time of the bake", "", [
+        ("spherical harmonics, order 0 to 2", "time of the bake, s", "RMS error / mean E", True, True, lines("SH", lambda r: r["time_s"])),
+        ("irradiance maps", "time of the bake, s", "RMS error / mean E", True, True, lines("irradiance map", lambda r: r["time_s"]))], columns=2)
+
+
+def page_tables(records):
+    head = ("environment", "method", "setting", "memory", "time", "RMS error / mean E", "worst / mean E", "least E, lux")
+    rows = [(r["panel"], r["series"], r["label"], tables.size(r["memory_bytes"]), tables.seconds(r["time_s"]), tables.percent(r["nrmse"]),
+             tables.percent(r["worst"]), "–" if r["least"] is None else tables.number(r["least"])) for r in records]
+    return [("All points", head, rows, ())]
+
+
+def markdown_tables(records):
+    settings = [("SH", "order 0"), ("SH", "order 1"), ("SH", "order 2"), ("SH9, window", "auto"), ("irradiance map", "16"),
+                ("irradiance map", "64")]
+    rows = []
+    for name in dict.fromkeys(r["panel"] for r in records):
+        here = {(r["series"], r["label"]): r for r in records if r["panel"] == name}
+        rows.append((name, *(tables.percent(here[s]["nrmse"]) if s in here else "–" for s in settings)))
+    return {"sh9": tables.markdown(("environment", "order 0", "order 1", "order 2 (SH9)", "SH9, auto window", "irradiance map, 16",
+                                    "irradiance map, 64"), rows)}

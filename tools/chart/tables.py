@@ -1,0 +1,91 @@
+"""Tables of the results, and Markdown between markers in documents.
+
+`<!-- chart: NAME -->` ... `<!-- /chart -->` in a Markdown file is replaced by the table NAME of the results.
+"""
+import os
+import re
+
+from plot import pareto
+
+MARKER = re.compile(r"(<!-- chart: ([a-z0-9_]+) -->\n)(.*?)(<!-- /chart -->)", re.DOTALL)
+
+
+def number(x, digits=3):
+    """1.23, 0.0123, 12,300: `digits` significant."""
+    if x == 0:
+        return "0"
+    if abs(x) < 1e-4:
+        return f"{x:.{digits - 1}e}"
+    text = f"{x:.{digits}g}"
+    return text if "e" not in text else f"{x:,.0f}"
+
+
+def is_number(text):
+    return bool(re.match(r"^[-+]?[\d.,]+(e[-+]\d+)?( ?(±|%|s|ms|ns|KiB|MiB|B).*)?$", str(text)))
+
+
+def seconds(s):
+    return f"{1000 * s:.0f} ms" if s < 1 else f"{s:.1f} s" if s < 100 else f"{s:.0f} s"
+
+
+def size(b):
+    for unit, scale in (("MiB", 2**20), ("KiB", 2**10)):
+        if b >= scale:
+            return f"{number(b / scale)} {unit}"
+    return f"{b:.0f} B" if b else "–"
+
+
+def percent(x):
+    return f"{number(100 * x)} %"
+
+
+def points_table(records):
+    """(head, rows, indices of rows on the Pareto front by time) of points with an error."""
+    front = [r["name"] for r in pareto(records, "time_s", "nrmse")]
+    records = sorted(records, key=lambda r: r.get("time_s", 0))
+    head = ("method", "setting", "time", "memory", "peak memory", "NRMSE", "relative RMSE", "command")
+    rows = [(r["series"], r["label"], seconds(r.get("time_s", 0)), size(r.get("memory_bytes", 0)),
+             size(r.get("peak_memory_bytes", 0)), f"{percent(r['nrmse'])} ± {number(100 * r.get('nrmse_se', 0), 2)}",
+             percent(r["relative_rmse"]) if "relative_rmse" in r else "–", " && ".join(short(c) for c in r["commands"]))
+            for r in records]
+    return head, rows, [i for i, r in enumerate(records) if r["name"] in front]
+
+
+def short(command):
+    """A command without the folders of its files."""
+    return " ".join(os.path.basename(w) if "/" in w else w for w in command.split())
+
+
+def front_table(records):
+    """The Pareto front by time of each panel, in Markdown."""
+    lines = ["| scene | method | setting | time | memory | NRMSE |", "|---|---|---|---|---|---|"]
+    for panel in dict.fromkeys(r["panel"] for r in records):
+        for r in pareto([r for r in records if r["panel"] == panel], "time_s", "nrmse"):
+            lines.append(f"| {panel} | {r['series']} | {r['label']} | {seconds(r['time_s'])} | {size(r['memory_bytes'])} | "
+                         f"{percent(r['nrmse'])} |")
+    return "\n".join(lines) + "\n"
+
+
+def markdown(head, rows):
+    return "\n".join(["| " + " | ".join(head) + " |", "|" + "---|" * len(head)] +
+                     ["| " + " | ".join(str(c) for c in row) + " |" for row in rows]) + "\n"
+
+
+def rewrite(path, tables):
+    """Replaces what stands between the markers; names of tables that the results do not have are returned."""
+    with open(path, encoding="utf-8") as file:
+        text = file.read()
+    missing = []
+
+    def fill(match):
+        if match[2] not in tables:
+            missing.append(match[2])
+            return match[0]
+        return match[1] + tables[match[2]] + match[4]
+
+    new = MARKER.sub(fill, text)
+    if new != text:
+        with open(path + ".part", "w", encoding="utf-8") as file:
+            file.write(new)
+        os.replace(path + ".part", path)
+    return missing
