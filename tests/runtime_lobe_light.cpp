@@ -158,8 +158,8 @@ TEST_F(RuntimeLobeLight, Leaves) {
   const GpuLobes gpu = upload(make_lobe_table({3, 3}));
   const Masked m = random_masked(3);
   std::vector<MaskLeaf> leaves(max_mask_leaves);
-  for (const auto& [mask_depth, leaf_depth] : {std::pair(0, 0), std::pair(0, 3), std::pair(1, 1), std::pair(2, 3),
-                                               std::pair(3, 3), std::pair(4, 4), std::pair(4, 5), std::pair(5, 5)}) {
+  for (const auto& [mask_depth, leaf_depth] :
+       {std::pair(0, 0), std::pair(0, 3), std::pair(2, 3), std::pair(4, 4), std::pair(5, 5)}) {
     const std::string source = defines(mask_depth, leaf_depth) + make_rows + R"(
 uniform samplerBuffer ivory_lobe_blocks;
 vec4 evaluate(int i) {
@@ -310,15 +310,16 @@ void compare(bool glossy, const LobeLightParams& params) {
                                 fmt::format("{} different, worst of the others {:.2g}", different, worst));
 }
 
+// Few variants: a software renderer compiles for seconds.
 TEST_F(RuntimeLobeLight, MattSurfaces) {
-  for (const int depth : {0, 2, 4, 5}) compare(false, {.mask_depth = depth});
-  compare(false, {.mask_depth = 4, .threshold = 0});
-  compare(false, {.mask_depth = 4, .mask_rule = MaskRule::touched, .threshold = 0.02F});
+  compare(false, {});
+  compare(false, {.mask_depth = 2, .mask_rule = MaskRule::touched, .threshold = 0.02F});
+  compare(false, {.mask_depth = 5, .threshold = 0});
 }
 
 TEST_F(RuntimeLobeLight, GlossySurfaces) {
   compare(true, {});
-  compare(true, {.mask_depth = 3, .threshold = 0, .max_split_level = 0});
+  compare(true, {.mask_depth = 1, .threshold = 0, .max_split_level = 0});
   compare(true, {.mask_depth = 1, .max_split_level = 2});
 }
 
