@@ -3,16 +3,13 @@
 // One plane from its word (10 + 10 bits octahedral normal, 12 bits distance): unit normal in xyz, distance in voxels in
 // w. A word of zero is no plane; what it unpacks to has no meaning.
 vec4 ivory_guard_unpack(uint word) {
-  float x = float(word & 1023u) / 1023.0 * 2.0 - 1.0;
-  float y = float((word >> 10u) & 1023u) / 1023.0 * 2.0 - 1.0;
-  float z = 1.0 - abs(x) - abs(y);
-  if (z < 0.0) {
-    float folded = (1.0 - abs(y)) * (x < 0.0 ? -1.0 : 1.0);
-    y = (1.0 - abs(x)) * (y < 0.0 ? -1.0 : 1.0);
-    x = folded;
-  }
-  float distance_voxels = (float(word >> 20u) - 1.0) / 4094.0 * 4.0 - 2.0;
-  vec3 n = vec3(x, y, z);
+  vec3 n;
+  n.xy = vec2(uvec2(word, word >> 10u) & 1023u) * (2.0 / 1023.0) - 1.0;
+  n.z = 1.0 - abs(n.x) - abs(n.y);
+  // Where z < 0 the octahedron's corner is folded over: x becomes (1 - |y|) sgn x = x + z sgn x, y likewise.
+  float fold = min(n.z, 0.0);
+  n.xy += vec2(n.x < 0.0 ? -fold : fold, n.y < 0.0 ? -fold : fold);
+  float distance_voxels = (float(word >> 20u) - 1.0) * (4.0 / 4094.0) - 2.0;
   return vec4(n * inversesqrt(dot(n, n)), distance_voxels);
 }
 
