@@ -41,7 +41,7 @@ Rgb sample_direct(const Intersector& intersector, const Lights& lights, const Su
   }
 
   Ray shadow;
-  shadow.origin = offset_origin(surface.p, surface.ng, light->w);
+  shadow.origin = offset_origin(surface.p, surface.ng, light->w, surface.reach_m);
   shadow.direction = light->w;
   if (std::isfinite(light->distance_m)) {
     // Aimed anew at the very point of the light, so that stopping a little short of it keeps clear

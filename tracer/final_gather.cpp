@@ -42,7 +42,7 @@ struct Gatherer {
       const std::optional<BsdfSample> s = sample(bsdf, wo, 1, random.next2(), Lobes::diffuse);
       if (!s) continue;
       Ray ray;
-      ray.origin = offset_origin(surface.p, surface.ng, s->wi);
+      ray.origin = offset_origin(surface.p, surface.ng, s->wi, surface.reach_m);
       ray.direction = s->wi;
       ray.coverage_seed = random.next_u32();
       const std::optional<Hit> hit = intersector.closest(ray);
@@ -88,7 +88,7 @@ struct Gatherer {
       if (is_black(specular) && !looks_for_light) break;
 
       Ray ray;
-      ray.origin = offset_origin(surface.p, surface.ng, s->wi);
+      ray.origin = offset_origin(surface.p, surface.ng, s->wi, surface.reach_m);
       ray.direction = s->wi;
       ray.coverage_seed = random.next_u32();
       const std::optional<Hit> hit = intersector.closest(ray);

@@ -5,6 +5,7 @@
 #include <cassert>
 
 #include "grid/grid_lookup.h"
+#include "tracer/surface.h"
 
 namespace ivory {
 namespace {
@@ -47,8 +48,12 @@ Footprint lookup_footprint(const IrradianceGrid& grid, const Intersector* inters
   if (guard != Guard::rays) return lookup_footprint(grid, guard, p, ng, params);
   assert(intersector != nullptr);
   float distance_m = nudge_m(grid.frame, params);
-  const V3f origin = offset_origin(p, ng, ng);
-  const auto ahead = intersector->closest({.origin = origin, .direction = ng, .t_max = 2 * distance_m});
+  V3f origin = offset_origin(p, ng, ng);
+  auto ahead = intersector->closest({.origin = origin, .direction = ng, .t_max = 2 * distance_m});
+  if (ahead && is_own_surface(intersector->scene(), *ahead, ahead->t, ng)) {
+    origin = offset_origin(p, ng, ng, triangle_reach_m(intersector->scene(), ahead->instance, ahead->triangle));
+    ahead = intersector->closest({.origin = origin, .direction = ng, .t_max = 2 * distance_m});
+  }
   if (ahead) distance_m = std::min(distance_m, ahead->t / 2);
   const V3f nudged = origin + ng * distance_m;
   return guarded_footprint(grid, nudged, params.interpolation, [&](const Footprint& footprint) {

@@ -73,7 +73,8 @@ class Intersector {
 };
 
 // p moved off its surface along unit ng, to the side of w, by a distance that stays above the
-// rounding error of p at any scale: rays from there do not meet the surface they left.
-V3f offset_origin(const V3f& p, const V3f& ng, const V3f& w);
+// rounding error of p at any scale: rays from there do not meet the surface they left. reach_m is the largest
+// coordinate of the corners of the triangle that p lies on (Surface::reach_m), 0 where it is not known.
+V3f offset_origin(const V3f& p, const V3f& ng, const V3f& w, float reach_m = 0);
 
 }  // namespace ivory

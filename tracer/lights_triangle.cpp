@@ -125,7 +125,7 @@ EmittedPhoton emit(const Scene& scene, const TriangleLight& light, RandomStream&
   const V3f direction = make_frame(n).to_world(sample_cosine_hemisphere(random.next2())).normalized();
   const V3f p = light.vertex + light.edge1 * b.x + light.edge2 * b.y;
   const Rgb radiance = radiance_at(scene, light.instance, light.triangle, b);
-  return {offset_origin(p, light.ng, direction), direction,
+  return {offset_origin(p, light.ng, direction, triangle_reach_m(scene, light.instance, light.triangle)), direction,
           radiance * (pi * light.area_m2 * (light.double_sided ? 2.0F : 1.0F))};
 }
 

@@ -59,7 +59,7 @@ struct Renderer {
       if (!(random.next() < survival)) break;
       throughput /= survival;
       ray = Ray();
-      ray.origin = offset_origin(surface.p, surface.ng, s->wi);
+      ray.origin = offset_origin(surface.p, surface.ng, s->wi, surface.reach_m);
       ray.direction = s->wi;
       ray.coverage_seed = random.next_u32();
     }

@@ -18,8 +18,8 @@ namespace {
 // Bounces before Russian roulette may end a path: most of an image's light has bounced less.
 constexpr int roulette_after = 3;
 // Paths between perfectly white walls would never end. With s the most survival and albedo rho > s, a path of k
-// bounces weighs (rho / s)^k and happens s^k of the time: its square's mean (rho^2 / s)^k must not grow with k, so s has
-// to lie above the square of the whitest closed room's albedo, here 0.9995.
+// bounces weighs (rho / s)^k and happens s^k of the time: its square's mean (rho^2 / s)^k must not grow with k, so s
+// has to lie above the square of the whitest closed room's albedo, here 0.9995.
 constexpr float most_survival = 0.999F;
 
 }  // namespace
@@ -50,7 +50,7 @@ Rgb trace_scattered(const Intersector& intersector, const Lights& lights, const 
     }
 
     Ray ray;
-    ray.origin = offset_origin(surface.p, surface.ng, s->wi);
+    ray.origin = offset_origin(surface.p, surface.ng, s->wi, surface.reach_m);
     ray.direction = s->wi;
     ray.coverage_seed = random.next_u32();
     const std::optional<Hit> hit = intersector.closest(ray);

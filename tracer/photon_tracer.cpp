@@ -104,7 +104,7 @@ void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLed
       const std::int64_t left = units(power);
       ledger.absorbed += carried - left;
       carried = left;
-      ray.origin = offset_origin(surface.p, surface.ng, scattered->wi);
+      ray.origin = offset_origin(surface.p, surface.ng, scattered->wi, surface.reach_m);
       ray.direction = scattered->wi;
     }
   }

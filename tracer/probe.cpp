@@ -26,6 +26,7 @@ ProbeResult probe_point(const Intersector& intersector, const Lights& lights, co
   white.specular_f0 = Rgb(0, 0, 0);
   white.specular_f90 = Rgb(0, 0, 0);
   white.emission = Rgb(0, 0, 0);
+  white.reach_m = own_surface_reach_m(intersector, point.p, point.n);
 
   PathParams path;
   path.max_bounces = params.max_bounces + 1;

@@ -136,13 +136,53 @@ Rgb emission(const Scene& scene, const Location& at) {
   return m.emission * rgb(texel_at(scene, at, m.emission_texture, true));
 }
 
+float reach_of(const Location& at) {
+  float reach = 0;
+  for (const std::uint32_t vertex : {at.indices().x, at.indices().y, at.indices().z}) {
+    const V3f p = transform_point(at.mesh.positions[vertex], at.to_world);
+    reach = std::max({reach, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  }
+  return reach;
+}
+
+// Points on a triangle lie this close to it, as a share of its reach: twice what offset_origin() takes.
+constexpr float own_surface = 0x1p-18F;
+
 }  // namespace
+
+float triangle_reach_m(const Scene& scene, int instance, int triangle) {
+  return reach_of(locate(scene, instance, triangle, V2f(0, 0)));
+}
+
+bool is_own_surface(const Scene& scene, const Hit& hit, float distance_m, const V3f& direction) {
+  constexpr float parallel = 0.99F;
+  return std::abs(hit.ng.dot(direction)) > parallel &&
+         distance_m <= own_surface * triangle_reach_m(scene, hit.instance, hit.triangle);
+}
+
+float own_surface_reach_m(const Intersector& intersector, const V3f& p, const V3f& ng) {
+  const V3f& center = intersector.center();
+  const float farthest =
+      std::max({std::abs(center.x), std::abs(center.y), std::abs(center.z)}) + intersector.radius_m();
+  const float within = own_surface * farthest;
+  Ray ray{.origin = p - ng * within, .direction = ng, .t_max = 2 * within};
+  // Other surfaces may lie as close in a large scene; four deep is enough for a decal on a sheet.
+  for (int i = 0; i < 4; ++i) {
+    const std::optional<Hit> hit = intersector.closest(ray);
+    if (!hit) return 0;
+    if (is_own_surface(intersector.scene(), *hit, std::abs(hit->t - within), ng))
+      return triangle_reach_m(intersector.scene(), hit->instance, hit->triangle);
+    ray.t_min = hit->t * (1 + 0x1p-20F);
+  }
+  return 0;
+}
 
 Surface make_surface(const Scene& scene, const Ray& ray, const Hit& hit) {
   const Location at = locate(scene, hit.instance, hit.triangle, hit.barycentric);
   Surface surface;
   // The point comes from the triangle, not from the ray: its error does not grow with the distance.
   surface.p = transform_point(interpolate(at.mesh.positions, at.indices(), hit.barycentric), at.to_world);
+  surface.reach_m = reach_of(at);
   surface.front = ray.direction.dot(hit.ng) <= 0;
   surface.ng = surface.front ? hit.ng : -hit.ng;
   surface.ns = shading_normal(scene, at, hit.ng);
