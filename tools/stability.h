@@ -43,5 +43,8 @@ std::vector<StabilityCase> stability_grid_cases();
 std::vector<StabilityCase> stability_wall_cases();
 std::vector<StabilityCase> stability_light_cases();
 std::vector<StabilityCase> stability_range_cases();
+std::vector<StabilityCase> stability_fiv_cases();
+std::vector<StabilityCase> stability_cubemap_cases();
+std::vector<StabilityCase> stability_lobe_cases();
 
 }  // namespace ivory

@@ -106,4 +106,13 @@ double polygon_irradiance(const std::vector<V3d>& corners, const V3d& p, const V
   return std::abs(sum) / 2;
 }
 
+double ball_irradiance(double cosine, double sine2) {
+  if (cosine * cosine >= sine2) return double(pi) * sine2 * std::max(0.0, cosine);
+  const double sine = std::sqrt(1 - cosine * cosine);
+  const double x = std::sqrt(1 / sine2 - 1);
+  const double y = -x * cosine / sine;
+  const double root = sine * std::sqrt(1 - y * y);
+  return (cosine * std::acos(y) - x * root) * sine2 + std::atan(root / x);
+}
+
 }  // namespace ivory

@@ -51,4 +51,8 @@ double surface_area_m2(const Mesh& mesh);
 // whichever way its corners run.
 double polygon_irradiance(const std::vector<V3d>& corners, const V3d& p, const V3d& n);
 
+// E of a ball of radiance 1 whose squared sine of the half-angle is sine2, its centre at `cosine` from the normal;
+// what is below the horizon does not count (form factor of a sphere to a tilted element).
+double ball_irradiance(double cosine, double sine2);
+
 }  // namespace ivory
