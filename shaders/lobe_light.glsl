@@ -36,21 +36,28 @@ struct IvoryLobeLights {
   float grow;       // of ivory_splat_sphere()
 };
 
-// The reflectance towards one direction times max(ns.wi, 0): colours times lobes of scale 1 at most.
+// The reflectance towards one direction times max(ns.wi, 0): colours times lobes of scale 1 at most. The first is the matt
+// one, of exponent 1; black where there is none.
 struct IvoryReflectanceLobes {
   int count;
   IvoryLobe lobe[IVORY_MAX_LOBES];
   vec3 color[IVORY_MAX_LOBES];
 };
 
+// Does a matt surface see of a patch its vector moment alone? Well above the horizon it does.
+bool ivory_patch_is_above(float cosine, float spread) {
+  return cosine > 0.0 && cosine * cosine >= 4.5 * spread * (2.0 - 2.0 * spread);
+}
+float ivory_matt_product(IvoryLobe f, float cosine, float height, float spread) {
+  const float pi = 3.14159265358979;
+  return f.scale * cosine * 2.0 * pi * height * (1.0 - spread);
+}
+
 // f with the lobe of a patch: its solid angle over 2 pi and 1 - mean cosine.
 float ivory_product_with_patch(IvoryLobeTable table, sampler3D integrals, IvoryLobe f, vec3 axis, float height,
                                float spread) {
-  const float pi = 3.14159265358979;
   float cosine = dot(f.axis, axis);
-  // Of a patch well above the horizon a matt surface sees the vector moment alone.
-  if (f.exponent == 1.0 && cosine > 0.0 && cosine * cosine >= 4.5 * spread * (2.0 - 2.0 * spread))
-    return f.scale * cosine * 2.0 * pi * height * (1.0 - spread);
+  if (f.exponent == 1.0 && ivory_patch_is_above(cosine, spread)) return ivory_matt_product(f, cosine, height, spread);
   return ivory_lobe_product_integral(table, integrals, f, ivory_spread_lobe(axis, height, spread));
 }
 
@@ -140,10 +147,18 @@ vec3 ivory_lobe_light(IvoryLobeLights lobes, samplerBuffer scene, samplerBuffer 
     IvoryMaskLeaves leaves = ivory_mask_leaves(rows, level);
     IvoryLeafWalk walk = ivory_begin_leaves(leaves);
     float lit_height = 0.0;
+    bool at_horizon = false;  // is any leaf? Then the matt lobe needs its table, and a second walk.
     do {
       IvoryMaskLeaf leaf = ivory_next_leaf(walk, leaves, blocks, cap);
       lit_height += leaf.lit ? leaf.height : 0.0;
-      for (int k = 0; k < IVORY_MAX_LOBES; ++k) {
+      float cosine = dot(r.lobe[0].axis, leaf.axis);
+      at_horizon = at_horizon || !ivory_patch_is_above(cosine, leaf.spread);
+      float matt = cosine >= least_cosine[leaf.level]
+                       ? ivory_matt_product(r.lobe[0], cosine, leaf.height, leaf.spread)
+                       : 0.0;
+      lit[0] += leaf.lit ? matt : 0.0;
+      dark[0] += leaf.lit ? 0.0 : matt;
+      for (int k = 1; k < IVORY_MAX_LOBES; ++k) {
         if (dot(r.lobe[k].axis, leaf.axis) >= least_cosine[k * (IVORY_LEAF_DEPTH + 1) + leaf.level]) {
           float product =
               ivory_product_with_patch(lobes.table, integrals, r.lobe[k], leaf.axis, leaf.height, leaf.spread);
@@ -152,6 +167,21 @@ vec3 ivory_lobe_light(IvoryLobeLights lobes, samplerBuffer scene, samplerBuffer 
         }
       }
     } while (ivory_more_leaves(walk));
+
+    float lit_again = 0.0;
+    float dark_again = 0.0;
+    walk = ivory_begin_leaves(leaves);
+    while (at_horizon && ivory_more_leaves(walk)) {
+      IvoryMaskLeaf leaf = ivory_next_leaf(walk, leaves, blocks, cap);
+      float product = ivory_product_with_patch(lobes.table, integrals, r.lobe[0], leaf.axis, leaf.height, leaf.spread);
+      if (dot(r.lobe[0].axis, leaf.axis) < least_cosine[leaf.level]) product = 0.0;
+      lit_again += leaf.lit ? product : 0.0;
+      dark_again += leaf.lit ? 0.0 : product;
+    }
+    if (at_horizon) {
+      lit[0] = lit_again;
+      dark[0] = dark_again;
+    }
 
     vec3 reflected = vec3(0.0);
     for (int k = 0; k < IVORY_MAX_LOBES; ++k) {

@@ -7,12 +7,11 @@
 //   [12 M^2, + 2 steps)   the walk over the edges: q and inverse depth of a vertex; jump of radiance from the vertex before
 //
 // Each function takes a world position (m) and a unit normal and returns E in lux: never negative and finite. p outside of
-// the shell reads a point a thousandth inside. Compilers may take a mebibyte of code for all four: call the one you need.
+// the shell reads a point a thousandth inside.
 //
-// ALU and fetches a receiver, M = 4 (96 texels, 197 steps): polygon 2 fetches and about 130 operations a step; polygon_paper
-// 2 fetches and about 250 a texel; point 2 and about 120.
+// What a receiver costs, M = 4 (96 texels, 197 steps): polygon 2 fetches and some 140 operations a step; polygon_paper 2
+// fetches and 190 a texel; point 2 and 110.
 #include "cube_map.glsl"
-#include "fast_angle.glsl"
 
 struct IvoryLocalizedCube {
   vec3 origin;     // world, m
@@ -62,22 +61,24 @@ vec3 ivory_cube_see(mat3 axes, vec3 o, vec4 vertex) {
   return r * inversesqrt(max(dot(r, r), 1e-30));
 }
 
+// An angle over its sine by its cosine, 0 to 1.
+float ivory_angle_over_sine(float c) {
+  float g = -0.0266371518;
+  g = g * c + 0.135951281;
+  g = g * c - 0.323932022;
+  g = g * c + 0.509054601;
+  g = g * c - 0.648626983;
+  g = g * c + 0.783297896;
+  g = g * c - 0.99990356;
+  return g * c + 1.57079554;
+}
+
 // Angle between unit a and b times the z of the normal of the plane through both: an edge's term of Lambert's sum about z.
 float ivory_edge_term(vec3 a, vec3 b) {
   const float pi = 3.14159265358979;
   vec3 n = cross(a, b);
   float cosine = dot(a, b);
-  // angle/sine as a polynomial, see grid/cube_edges.cpp.
-  float c = abs(cosine);
-  float g = 0.0171853695;
-  g = g * c - 0.0960763022;
-  g = g * c + 0.250126541;
-  g = g * c - 0.421895713;
-  g = g * c + 0.55574894;
-  g = g * c - 0.660758615;
-  g = g * c + 0.784853816;
-  g = g * c - 0.999980152;
-  g = g * c + 1.57079625;
+  float g = ivory_angle_over_sine(abs(cosine));
   return (cosine >= 0.0 ? g : pi * inversesqrt(max(dot(n, n), 1e-30)) - g) * n.z;
 }
 
@@ -98,7 +99,8 @@ float ivory_edge_weight(vec4 a, vec4 b, bool d_above) {
   float from = a.y >= 0.0 ? 1.0 : -1.0;
   float agreed = over_horizon ? rising * from : -rising * from;
   float det_sign = over_horizon && over_meridian ? (det >= 0.0 ? 1.0 : -1.0) : agreed;
-  float horizon = over_horizon ? det_sign * ivory_fast_angle(abs(crossing.y), crossing.x) : 0.0;
+  float angle = ivory_angle_over_sine(abs(crossing.x)) * abs(crossing.y);  // as if crossing.x >= 0
+  float horizon = over_horizon ? det_sign * (crossing.x >= 0.0 ? angle : pi - angle) : 0.0;
   float side = d_above ? -from : from;
   float beyond = side * (a.y * b.w - b.y * a.w);
   bool crosses_arc = over_meridian && side * det_sign < 0.0 && beyond > 0.0;
@@ -140,13 +142,14 @@ vec3 ivory_cube_polygon_inside(IvoryLocalizedCube cube, samplerBuffer texels, ve
   mat3 axes = mat3(x, cross(n, x), n);
   vec3 o = offset * axes;
 
+  bool d_above = up >= 0.0;
   int at = 12 * size * size;
   vec4 a = vec4(0.0);
   vec3 sum = vec3(0.0);
   for (int i = 0; i < cube.steps; ++i) {  // the first has no edge before it, and no jump
     vec3 r = ivory_cube_see(axes, o, texelFetch(texels, at));
     vec4 b = vec4(r, r.x * up + r.z * across);
-    sum += texelFetch(texels, at + 1).rgb * ivory_edge_weight(a, b, up >= 0.0);
+    sum += texelFetch(texels, at + 1).rgb * ivory_edge_weight(a, b, d_above);
     a = b;
     at += 2;
   }
