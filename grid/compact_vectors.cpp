@@ -6,7 +6,7 @@ namespace ivory {
 
 // With the norms a_c = |I_c| kept, the direction d that is best in the least-squares sense minimises
 //   sum_c |I_c - a_c d|^2 = const - 2 d . sum_c a_c I_c   over |d| = 1,   so   d ~ sum_c |I_c| I_c.
-// A luminance-weighted sum of the I_c favours green; measured on baked rooms its error is up to 1.5 times as large.
+// The paper takes the plain sum of the I_c, which on baked scenes comes within a few per cent of the same error.
 std::array<float, 36> compact_from_moments(std::span<const float, 36> moments) {
   const std::array<float, 54> h = hemispheres_from_moments(moments);
   std::array<float, 36> out{};
