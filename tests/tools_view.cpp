@@ -79,6 +79,42 @@ TEST_F(ViewCommand, DrawsWhatRenderRenders) {
   }
 }
 
+TEST_F(ViewCommand, DrawsOtherMethodsAsRenderDoes) {
+  const std::string size = " --size 120x90 --threads 2 --force --samples ";
+  const std::string sky = scene("sky.hdr");
+  const std::string knot = " --object " + scene("knot.glb");
+  run("bake fiv " + scene("knot.glb") + " --env " + sky + " -o " + path("knot.exr") +
+      " --samples 16,9,8 --hemispheres 6");
+  run("bake cubemap " + room() + " --at 0.3,1.2,0.2 -o " + path("cube.exr") + " --size 4");
+  struct Case {
+    std::string scene;
+    std::string how;
+  };
+  for (const Case& c :
+       {Case{scene("plaza.gltf"), "--method fiv --env " + sky + knot + " --occluder knot=" + path("knot.exr")},
+        // Direct light with shadow maps too.
+        Case{room(), "--method cubemap --cubemap " + path("cube.exr") + " --guard planes --grid " + grid() + knot +
+                         "@0.3,0.2,0.2"},
+        Case{scene("plaza.gltf"), "--method lobes --sphere-light 0.5,3,0.5,0.4,10,10,10"}}) {
+    const std::string reference = path("r.exr");
+    run("render " + c.scene + " " + c.how + size + "64 -o " + reference);
+    const Json result =
+        run("view --headless " + c.scene + " " + c.how + size + "64 -o " + path("v.exr") + " --reference " + reference);
+    // What edges and the shadow maps' texels differ by, at this small size.
+    EXPECT_LT(result.at("nrmse").get<double>(), 0.01) << c.how;
+  }
+}
+
+TEST_F(ViewCommand, ImagesAreTakenForWhatTheirShapeSays) {
+  const Json result = view(scene("plaza.gltf") + " " + scene("sky.hdr") + " --samples 1 -o " + path("e.png"));
+  EXPECT_EQ(result.at("environment"), "sky.hdr");
+  EXPECT_EQ(result.at("objects").at(0).at("method"), "difmap");
+  view(room() + " --method constant --samples 1 -o " + path("reference.exr"));
+  const Json compared =
+      view(room() + " " + path("reference.exr") + " --method constant --samples 1 -o " + path("again.exr"));
+  EXPECT_EQ(compared.at("nrmse"), 0);
+}
+
 TEST_F(ViewCommand, CameraIsThatOfRender) {
   // What shines is seen as it is by both, wherever it stands.
   for (const std::string& camera : {std::string("--camera 0"), std::string()}) {

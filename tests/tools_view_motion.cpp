@@ -7,6 +7,7 @@
 
 #include "grid/error.h"
 #include "tests/command_test.h"
+#include "tools/view_controls.h"
 #include "tools/view_drag.h"
 #include "tools/view_path.h"
 
@@ -104,6 +105,92 @@ TEST(ViewDrag, StaysWhereThePlaneIsOutOfReach) {
   const View flat = make_view("test", level, 100, 100);
   const Drag along = begin_drag(flat, V3f(0, 0, -2), V3f(0, 0, 0), DragPlane::ground, 10);
   EXPECT_FALSE(drag_to(along, flat, V2f(50, 50)));
+}
+
+// A wall behind a triangle that moves.
+ViewWorld small_world() {
+  const auto triangle = [](float size, float z) {
+    Scene scene;
+    scene.materials.emplace_back();
+    Mesh mesh;
+    mesh.positions = {{-size, -size, z}, {size, -size, z}, {0, size, z}};
+    mesh.triangles.emplace_back(0U, 1U, 2U);
+    mesh.material = 0;
+    scene.meshes.push_back(mesh);
+    scene.instances.push_back({0, M44f(), no_index});
+    return scene;
+  };
+  ViewWorld world;
+  world.objects.push_back(make_object("wall", triangle(20, -5), V3f(0, 0, 0), false));
+  world.objects.push_back(make_object("thing", triangle(0.5F, 0), V3f(0, 0.25F, 0), true));
+  measure(world);
+  Camera camera;
+  camera.to_world.setTranslation(V3f(0, 1, 3));
+  world.camera = make_view_camera(camera, V3f(0, 0, 0), 1);
+  return world;
+}
+
+TEST(ViewControls, DragsWhatIsUnderTheMouseAndOrbitsElsewhere) {
+  const Imath::V2i size(400, 400);
+  ViewWorld world = small_world();
+  const ViewCamera start = world.camera;
+  ViewControls controls;
+  // tan(0.4) of half a picture's height is a metre's 1 / (2.5 m) below: the thing's middle is 0.9 m below the axis.
+  const V2f thing(200, 200 + 200 * (0.85F / 3) / std::tan(0.4F));
+  controls.press(world, MouseButton::left, thing, size, true);
+  EXPECT_EQ(controls.selected(), 1U);
+  EXPECT_TRUE(controls.move(world, thing + V2f(50, -20), size));
+  const float pixel_m = 3 * std::tan(0.4F) / 200;
+  EXPECT_NEAR(world.objects[1].offset_m.x, 50 * pixel_m, 1e-3F);
+  EXPECT_NEAR(world.objects[1].offset_m.y, 0.25F + 20 * pixel_m, 1e-3F);
+  EXPECT_EQ(world.objects[0].offset_m, V3f(0, 0, 0));
+  controls.release(MouseButton::left);
+  EXPECT_FALSE(controls.move(world, thing, size));
+  EXPECT_EQ(eye(world.camera), eye(start));
+
+  controls.press(world, MouseButton::left, V2f(30, 300), size, false);  // the wall does not move
+  EXPECT_TRUE(controls.move(world, V2f(60, 300), size));
+  EXPECT_GT((eye(world.camera) - eye(start)).length(), 0.01F);
+  EXPECT_LT((pivot(world.camera) - pivot(start)).length(), 1e-5F);
+  controls.release(MouseButton::left);
+}
+
+TEST(ViewControls, KeysFlyUntilReleased) {
+  ViewWorld world = small_world();
+  ViewControls controls;
+  const V3f start = eye(world.camera);
+  EXPECT_FALSE(controls.advance(world, 1, false));
+  controls.press(world, FlyKey::forward);
+  const V3f pressed = eye(world.camera);
+  EXPECT_LT(pressed.z, start.z);  // even where no time passes before the release
+  EXPECT_TRUE(controls.advance(world, 0.05F, false));
+  EXPECT_LT(eye(world.camera).z, pressed.z);
+  controls.release(FlyKey::forward);
+  EXPECT_FALSE(controls.flies());
+  EXPECT_FALSE(controls.advance(world, 1, false));
+  controls.press(world, FlyKey::left);
+  controls.release_all();
+  EXPECT_FALSE(controls.flies());
+}
+
+TEST(ViewControls, PickFindsMovedObjects) {
+  ViewWorld world = small_world();
+  Ray ray;
+  ray.origin = V3f(2, 0.2F, 3);
+  ray.direction = V3f(0, 0, -1);
+  const auto object_at = [&](float x) {
+    ray.origin.x = x;
+    const std::optional<Pick> found = pick(world, ray);
+    return found ? int(found->object) : -1;
+  };
+  EXPECT_EQ(object_at(2), 0);
+  world.objects[1].offset_m = V3f(2, 0.25F, 0);
+  EXPECT_EQ(object_at(2), 1);
+  EXPECT_EQ(object_at(0), 0);
+  EXPECT_EQ(object_at(200), -1);
+  ray.origin.x = 2;
+  const Pick found = pick(world, ray).value_or(Pick{0, V3f(0, 0, 0)});
+  EXPECT_LT((found.point_m - V3f(2, 0.2F, 0)).length(), 1e-5F);
 }
 
 }  // namespace

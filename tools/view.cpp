@@ -1,6 +1,7 @@
 // ivory view: the window on the runtime, and the same pictures without a window.
 #include "tools/view.h"
 
+#include <map>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -26,6 +27,9 @@ struct ViewCommand {
   std::string debug = "none";
   std::string constant;
   std::string lookup = "polygon";
+  std::string overlap = "covers";
+  std::string straddling = "bound";
+  std::string mask = "center";
   std::vector<std::string> named;  // assets given by --grid and the like
   bool indirect_only = false;
 };
@@ -57,6 +61,15 @@ ViewRun finished(const ViewCommand& command) {
       command.interpolation == "tricubic" ? Interpolation::tricubic : Interpolation::trilinear;
   run.settings.lookup.reconstruction = reconstruction_from_name(command.reconstruction);
   run.settings.cube_method = cube_method_from_name(command.lookup);
+  run.settings.fiv.straddling = command.straddling == "scale" ? Straddling::scale : Straddling::bound;
+  const std::map<std::string, FivOverlap> overlaps{{"none", FivOverlap::none},
+                                                   {"discs", FivOverlap::discs},
+                                                   {"covers", FivOverlap::covers},
+                                                   {"product", FivOverlap::product}};
+  run.settings.fiv.overlap = overlaps.at(command.overlap);
+  const std::map<std::string, MaskRule> rules{
+      {"center", MaskRule::center}, {"inside", MaskRule::inside}, {"touched", MaskRule::touched}};
+  run.settings.lobes.mask_rule = rules.at(command.mask);
   run.settings.tone.curve = tone_curve_from_name(command.tone);
   run.settings.debug = debug_view_from_name(command.debug);
   run.settings.direct = !command.indirect_only;
@@ -175,6 +188,32 @@ void add_light_options(CLI::App& app, ViewCommand& command) {
       ->group(group);
   app.add_option("--lookup", command.lookup, "How localized cube maps are read")
       ->check(CLI::IsMember({"polygon", "polygon_paper", "point", "convolved"}))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--overlap", command.overlap, "How light that several FIV occluders hide is counted once")
+      ->check(CLI::IsMember({"covers", "discs", "product", "none"}))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--straddling", command.straddling, "FIV occluders that reach below a receiver's plane")
+      ->check(CLI::IsMember({"bound", "scale"}))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--mask-depth", command.run.settings.lobes.mask_depth, "Depth of the quad-tree of lobes' shadows")
+      ->check(CLI::Range(0, max_mask_depth))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--mask", command.mask, "What of a mask's cell must lie behind a sphere")
+      ->check(CLI::IsMember({"center", "inside", "touched"}))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--threshold", command.run.settings.lobes.threshold,
+                 "Lobe products under this fraction of the unshadowed light are dropped")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str()
+      ->group(group);
+  app.add_option("--split", command.run.settings.lobes.max_split_level,
+                 "A light wider than a highlight is taken as up to 4^SPLIT lobes")
+      ->check(CLI::Range(0, max_mask_depth))
       ->capture_default_str()
       ->group(group);
   app.add_flag("--indirect-only", command.indirect_only, "Leave out the lights' own light, and what shines")

@@ -42,6 +42,10 @@ std::string legend_title(const ViewSession& session);
 bool has_number(const std::string& path);
 std::string numbered(const std::string& path, std::uint64_t number);
 
+// The name of the next screenshot with that extension, by the names that -o gives or ivory_%04d: the first number that
+// is free.
+std::string screenshot_name(const std::vector<std::string>& outputs, const std::string& extension);
+
 // Camera, objects and how each is lit.
 nlohmann::ordered_json describe(const ViewSession& session);
 

@@ -73,6 +73,7 @@ std::unique_ptr<GridAsset> upload_grid_asset(const std::string& path, const Irra
       gl::make_texture_3d(path, gl::Format::r16f, grid.frame.size, grid.visible_fraction.data(), gl::Filter::nearest);
   asset->gpu = upload(grid);
   asset->typical_vector_lux = typical_vector(grid);
+  asset->holds_direct = text_of(grid.metadata, "light") == "direct and indirect";
   asset->scene_hash = text_of(grid.metadata, "scene_hash");
   return asset;
 }

@@ -20,6 +20,7 @@ struct GridAsset {
   GpuGrid gpu;
   gl::Texture visible_fraction;  // R16F, a texel a vertex: the runtime keeps a capped form of it only
   float typical_vector_lux = 0;  // length that nineteen in twenty of the stored vectors stay under
+  bool holds_direct = false;     // light as well as indirect
   std::string scene_hash;        // of the scene that it was baked from
 };
 

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <optional>
 
-#include <epoxy/gl.h>
 #include <fmt/format.h>
 #include <imgui.h>
 #include <nlohmann/json.hpp>
@@ -15,6 +14,7 @@
 #include "tools/view.h"
 #include "tools/view_controls.h"
 #include "tools/view_gui.h"
+#include "tools/view_keys.h"
 #include "tools/view_legend.h"
 #include "tools/view_timer.h"
 #include "tools/view_window.h"
@@ -24,38 +24,6 @@
 namespace ivory {
 
 namespace {
-
-std::optional<FlyKey> fly_key(int key) {
-  switch (key) {
-    case GLFW_KEY_W:
-      return FlyKey::forward;
-    case GLFW_KEY_S:
-      return FlyKey::back;
-    case GLFW_KEY_A:
-      return FlyKey::left;
-    case GLFW_KEY_D:
-      return FlyKey::right;
-    case GLFW_KEY_E:
-      return FlyKey::up;
-    case GLFW_KEY_Q:
-      return FlyKey::down;
-    default:
-      return std::nullopt;
-  }
-}
-
-std::optional<MouseButton> mouse_button(int button) {
-  switch (button) {
-    case GLFW_MOUSE_BUTTON_LEFT:
-      return MouseButton::left;
-    case GLFW_MOUSE_BUTTON_RIGHT:
-      return MouseButton::right;
-    case GLFW_MOUSE_BUTTON_MIDDLE:
-      return MouseButton::middle;
-    default:
-      return std::nullopt;
-  }
-}
 
 class Viewer {
  public:
@@ -169,6 +137,7 @@ class Viewer {
       } catch (const UsageError&) {
         // A view that lacks what it shows, after a resize or a removal.
         session_->settings.debug = DebugView::none;
+        session_->settings.lookup.reconstruction = Reconstruction::optimal;
         dirty_ = true;
         throw;
       }
@@ -236,39 +205,18 @@ class Viewer {
     dirty_ = true;
   }
 
-  // The next name that is free, where names are numbered.
-  std::string screenshot_name(const std::string& extension) {
-    std::string pattern = "ivory_%04d" + extension;
-    for (const std::string& output : run_.outputs) {
-      if (std::filesystem::path(output).extension() == extension) pattern = output;
-    }
-    if (!has_number(pattern)) return pattern;
-    std::uint64_t number = 1;
-    while (std::filesystem::exists(numbered(pattern, number))) ++number;
-    return numbered(pattern, number);
-  }
   void screenshot(const std::string& extension) {
     draw_points(state_.samples);
     frame_->draw_display(*session_, *target_);
-    const std::string path = screenshot_name(extension);
+    const std::string path = screenshot_name(run_.outputs, extension);
     write_picture(path, *session_, *target_, common_.force);
     screenshots_.push_back(path);
     say(path + " written");
   }
   // As the window shows it, with the panel.
   void write_window() {
-    const int width = target_->width();
-    const int height = target_->height();
-    std::vector<std::uint8_t> upward(std::size_t(width) * std::size_t(height) * 3);
-    glBindFramebuffer(GL_FRAMEBUFFER, 0);
-    glReadBuffer(GL_BACK);
-    glPixelStorei(GL_PACK_ALIGNMENT, 1);
-    glReadPixels(0, 0, width, height, GL_RGB, GL_UNSIGNED_BYTE, upward.data());
-    DisplayImage image{width, height, {}};
-    for (std::ptrdiff_t y = height; y-- > 0;)
-      image.rgb.insert(image.rgb.end(), upward.begin() + y * width * 3, upward.begin() + (y + 1) * width * 3);
-    const std::string path = screenshot_name(".png");
-    write_display_image(path, image, {}, common_.force);
+    const std::string path = screenshot_name(run_.outputs, ".png");
+    write_display_image(path, window_.read(), {}, common_.force);
     screenshots_.push_back(path);
     say(path + " written");
   }

@@ -115,21 +115,24 @@ void note_left_out(const Scene& scene, const std::set<int>& materials, std::vect
   bool specular = false;
   bool uv_sets = false;
   bool emits = false;
+  std::set<int> of_balls;  // which method lobes lights by
+  for (const SphereLight& light : scene.sphere_lights) {
+    if (light.instance != no_index)
+      of_balls.insert(scene.meshes[std::size_t(scene.instances[std::size_t(light.instance)].mesh)].material);
+  }
   for (const int index : materials) {
     const Material& m = scene.materials[std::size_t(index)];
     specular = specular || (!m.specular_glossiness &&
                             (m.specular_texture.texture != no_index || m.specular_color_texture.texture != no_index));
     for (const TextureUse* use : {&m.base_color_texture, &surface_use(m), &m.normal_texture, &m.emission_texture})
       uv_sets = uv_sets || (use->texture != no_index && use->uv_set > 1);
-    emits = emits || !is_black(m.emission);
+    emits = emits || (!is_black(m.emission) && !of_balls.contains(index));
   }
   if (specular) notes.push_back(fmt::format("{}: textures of KHR_materials_specular are left out", scene.name));
   if (uv_sets) notes.push_back(fmt::format("{}: textures of a third set of coordinates are left out", scene.name));
   if (emits)
     notes.push_back(
-        fmt::format("{}: surfaces that shine light nothing directly; a grid holds what they light, "
-                    "baked with --direct",
-                    scene.name));
+        fmt::format("{}: surfaces that shine light nothing by themselves; a grid holds what they light", scene.name));
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <filesystem>
 #include <regex>
 
 #include <fmt/format.h>
@@ -27,6 +28,9 @@ ViewMethod best_method(const ViewSession& session) {
 void choose_methods(ViewSession& session, const ViewRun& run) {
   const ViewMethod all = run.method.empty() ? best_method(session) : view_method_from_name(run.method);
   for (std::size_t i = 0; i < session.world.objects.size(); ++i) choose_method(session, i, all);
+  // As ivory render has it: the cube map is for what moves near it, the rest keeps its grid.
+  if (all == ViewMethod::cubemap && session.world.objects.size() > 1 && lacks(session, ViewMethod::grid).empty())
+    choose_method(session, 0, ViewMethod::grid);
   for (const std::string& text : run.methods_of) {
     const std::size_t equals = text.rfind('=');
     if (equals == std::string::npos) throw UsageError("--method-of: '" + text + "' is not OBJECT=METHOD");
@@ -124,6 +128,17 @@ std::string numbered(const std::string& path, std::uint64_t number) {
   return match.prefix().str() + digits + match.suffix().str();
 }
 
+std::string screenshot_name(const std::vector<std::string>& outputs, const std::string& extension) {
+  std::string pattern = "ivory_%04d" + extension;
+  for (const std::string& output : outputs) {
+    if (std::filesystem::path(output).extension() == extension) pattern = output;
+  }
+  if (!has_number(pattern)) return pattern;
+  std::uint64_t number = 1;
+  while (std::filesystem::exists(numbered(pattern, number))) ++number;
+  return numbered(pattern, number);
+}
+
 Json describe(const ViewSession& session) {
   const ViewWorld& world = session.world;
   Json json;
@@ -142,6 +157,7 @@ Json describe(const ViewSession& session) {
   json["assets"] = Json::array();
   for (const auto& asset : session.assets)
     json["assets"].push_back({{"file", asset->label()}, {"kind", name(asset->kind)}, {"bytes", asset->bytes()}});
+  if (!session.environment.empty()) json["environment"] = session.environment;
   json["exposure_stops"] = shortest(session.settings.tone.exposure_stops);
   json["debug"] = name(session.settings.debug);
   return json;

@@ -8,7 +8,6 @@
 
 #include "grid/error.h"
 #include "tools/dynamic_objects.h"
-#include "tools/view_debug.h"
 #include "tracer/camera.h"
 #include "tracer/gltf_loader.h"
 #include "tracer/image_io.h"
@@ -23,29 +22,6 @@ std::string file_name(const std::string& path) { return std::filesystem::path(pa
 
 void append(std::vector<std::string>& to, const std::vector<std::string>& from, const char* prefix) {
   for (const std::string& line : from) to.push_back(prefix + line);
-}
-
-// The first asset that the method reads.
-const ViewAsset* asset_for(const ViewSession& session, ViewMethod method) {
-  switch (method) {
-    case ViewMethod::grid:
-      return find_asset(session.assets, FileKind::grid);
-    case ViewMethod::cubemap:
-      return find_asset(session.assets, FileKind::cubemap);
-    case ViewMethod::lobes:
-      return find_asset(session.assets, FileKind::lobes);
-    case ViewMethod::sh9:
-      return find_asset(session.assets, FileKind::sh9);
-    case ViewMethod::difmap:
-      return find_asset(session.assets, FileKind::difmap);
-    case ViewMethod::fiv: {
-      // What the environment gives where nothing hides it; SH9 is the second choice.
-      const ViewAsset* difmap = find_asset(session.assets, FileKind::difmap);
-      return difmap != nullptr ? difmap : find_asset(session.assets, FileKind::sh9);
-    }
-    default:
-      return nullptr;
-  }
 }
 
 void add_object(ViewSession& session, ViewObject object) {
@@ -208,6 +184,9 @@ std::string add_file(ViewSession& session, const std::string& path, const std::o
   if (asset->grid) {
     if (!asset->grid->scene_hash.empty() && asset->grid->scene_hash != session.world.scene().content_hash)
       session.notes.push_back(fmt::format("note: {} was baked from another scene", path));
+    if (asset->grid->holds_direct && session.settings.direct && !session.direct.empty())
+      session.notes.push_back(
+          fmt::format("note: {} holds direct light, which is drawn twice now: use --indirect-only", path));
     if (session.debug_grid == nullptr) session.debug_grid = asset.get();
   }
   note_environment(session, *asset);
@@ -243,26 +222,6 @@ void set_reference(ViewSession& session, const std::string& path, const Imath::V
   session.reference = std::move(reference);
 }
 
-std::string lacks(const ViewSession& session, ViewMethod method) {
-  if (method == ViewMethod::lobes && session.world.scene().sphere_lights.empty())
-    return "the scene has no spherical light (--sphere-light)";
-  if (method == ViewMethod::none || method == ViewMethod::constant) return "";
-  if (asset_for(session, method) == nullptr)
-    return fmt::format("no asset that method {} reads was given", name(method));
-  if (method == ViewMethod::fiv && !session.occluders.gpu) return "no FIV table was given";
-  return "";
-}
-
-std::string lacks(const ViewSession& session, DebugView view) {
-  if (needs_grid(view) && session.debug_grid == nullptr) return "it shows a grid, and none was given";
-  if (view == DebugView::difference && !session.reference) return "it needs a --reference";
-  const bool six = view == DebugView::vectors || view == DebugView::bracket;
-  if (six && session.debug_grid->grid->gpu.basis != Basis::vectors)
-    return fmt::format("it needs a grid of basis vectors, {} has {}", session.debug_grid->label(),
-                       name(session.debug_grid->grid->gpu.basis));
-  return "";
-}
-
 void remove_object(ViewSession& session, std::size_t object) {
   if (object == 0 || object >= session.world.objects.size()) return;
   const auto at = std::ptrdiff_t(object);
@@ -270,83 +229,6 @@ void remove_object(ViewSession& session, std::size_t object) {
   session.models.erase(session.models.begin() + at);
   session.lights.erase(session.lights.begin() + at);
   session.occluders = find_occluders(session.assets, session.world);
-}
-
-void choose_method(ViewSession& session, std::size_t object, ViewMethod method) {
-  if (const std::string lack = lacks(session, method); !lack.empty()) throw UsageError(lack);
-  const ViewAsset* asset = asset_for(session, method);
-  if (asset != nullptr && asset->grid && session.settings.lookup.reconstruction == Reconstruction::paper &&
-      asset->grid->gpu.basis != Basis::vectors)
-    throw UsageError(fmt::format("--reconstruction paper needs a grid of basis vectors, {} has {}", asset->path,
-                                 name(asset->grid->gpu.basis)));
-  session.lights[object] = {method, asset};
-}
-
-namespace {
-
-// A set that was fitted to an object's file goes where the object goes.
-V3f place_of_spheres(const ViewSession& session, const ViewAsset& asset) {
-  const auto hash = asset.spheres->metadata.find("mesh_hash");
-  if (hash == asset.spheres->metadata.end()) return asset.offset_m;
-  for (const ViewObject& object : session.world.objects) {
-    if (object.moves && hash->second == MetaValue(object.scene->content_hash))
-      return asset.offset_m + place(object, session.world.time_s);
-  }
-  return asset.offset_m;
-}
-
-void place_lobes(ViewSession& session) {
-  std::vector<BallLight> lights;
-  for (const SphereLight& light : session.world.scene().sphere_lights)
-    lights.push_back({{light.center, light.radius_m}, light.radiance_nits});
-  std::vector<Sphere> occluders;
-  for (const auto& asset : session.assets) {
-    if (!asset->spheres) continue;
-    const V3f offset = place_of_spheres(session, *asset);
-    for (const Sphere& sphere : asset->spheres->spheres) occluders.push_back({sphere.center + offset, sphere.radius_m});
-  }
-  for (const auto& asset : session.assets) {
-    if (asset->lobes) place(*asset->lobes, lights, occluders);
-  }
-}
-
-}  // namespace
-
-void place_objects_now(ViewSession& session) {
-  place_occluders(session.occluders, session.world);
-  place_lobes(session);
-}
-
-AmbientSource grid_source(const ViewAsset& asset, const ViewSettings& settings) {
-  return ambient(asset.grid->gpu, {settings.lookup, settings.guard});
-}
-
-AmbientSource ambient_source(const ViewSession& session, std::size_t object) {
-  const ObjectLight& light = session.lights[object];
-  const ViewSettings& settings = session.settings;
-  switch (light.method) {
-    case ViewMethod::constant:
-      return constant_ambient(settings.constant_e_lux);
-    case ViewMethod::grid:
-      return grid_source(*light.asset, settings);
-    case ViewMethod::cubemap:
-      return cubemap_ambient(*light.asset->cubemap, settings.cube_method);
-    case ViewMethod::lobes:
-      // What debug views show as irradiance is that of a Lambert surface.
-      return lobes_ambient(*light.asset->lobes, surface_debug_shader(settings.debug).empty());
-    case ViewMethod::sh9:
-      return ambient(*light.asset->sh9);
-    case ViewMethod::difmap:
-      return ambient(*light.asset->difmap);
-    case ViewMethod::fiv: {
-      const GpuFivTables& tables = *session.occluders.gpu;
-      const int self = session.occluders.of_object[object];
-      return light.asset->difmap ? ambient(tables, *light.asset->difmap, {}, self)
-                                 : ambient(tables, *light.asset->sh9, {}, self);
-    }
-    default:
-      return no_ambient();
-  }
 }
 
 }  // namespace ivory

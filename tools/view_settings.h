@@ -5,7 +5,9 @@
 #include <optional>
 #include <string_view>
 
+#include "grid/fiv_light.h"
 #include "grid/irradiance_grid.h"
+#include "grid/lobe_light.h"
 #include "grid/localized_cube.h"
 #include "tools/view_display.h"
 
@@ -52,6 +54,8 @@ struct ViewSettings {
   LookupParams lookup;
   Guard guard = Guard::planes;
   CubeMethod cube_method = CubeMethod::polygon;
+  FivLightParams fiv;
+  LobeLightParams lobes;
   ToneParams tone;
   DebugView debug = DebugView::none;
   bool false_color = false;    // of views that are light

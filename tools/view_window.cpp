@@ -133,6 +133,22 @@ void Window::end_gui() {
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
+DisplayImage Window::read() const {
+  const Imath::V2i pixels = size();
+  const std::size_t row = std::size_t(pixels.x) * 3;
+  std::vector<std::uint8_t> upward(row * std::size_t(pixels.y));
+  glBindFramebuffer(GL_FRAMEBUFFER, 0);
+  glReadBuffer(GL_BACK);
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, pixels.x, pixels.y, GL_RGB, GL_UNSIGNED_BYTE, upward.data());
+  DisplayImage image{pixels.x, pixels.y, {}};
+  for (std::size_t y = std::size_t(pixels.y); y-- > 0;)
+    image.rgb.insert(image.rgb.end(), upward.begin() + std::ptrdiff_t(y * row),
+                     upward.begin() + std::ptrdiff_t((y + 1) * row));
+  return image;
+}
+
 void Window::swap() { glfwSwapBuffers(window_); }
 
 double Window::seconds() const { return glfwGetTime(); }

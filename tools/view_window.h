@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "grid/types.h"
+#include "tracer/image_io.h"
 
 struct GLFWwindow;
 
@@ -55,6 +56,8 @@ class Window {
   void begin_gui();
   void end_gui();
   void swap();
+  // What was drawn since the last swap(), the panel included.
+  DisplayImage read() const;
   double seconds() const;  // since it opened
 
  private:

@@ -45,7 +45,7 @@ void measure(ViewWorld& world);
 // The object that a ray meets first, and where.
 struct Pick {
   std::size_t object = 0;
-  V3f point_m;
+  V3f point_m{0, 0, 0};
 };
 std::optional<Pick> pick(const ViewWorld& world, const Ray& ray);
 
