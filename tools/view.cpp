@@ -291,6 +291,13 @@ void add_view_command(CLI::App& app, CommonOptions& common) {
   add_light_options(*command, *options);
   add_picture_options(*command, *options);
   command->footer(
+      "In the window: left mouse drags an object over the ground (Shift: in the picture's plane) and orbits "
+      "elsewhere;\n"
+      "right looks around, middle moves, the wheel comes closer; W A S D Q E fly; F all in view, Home the first view;\n"
+      "P screenshot, Shift+P as linear EXR, Ctrl+P with the panel; V next debug view, G guard, C tricubic, X "
+      "exposure,\n"
+      "Space halts the paths, Delete removes an object, H hides the panel, Esc quits (--json then prints where all "
+      "is).\n"
       "Examples:\n"
       "  ivory view room.glb room.vdb\n"
       "  ivory view room.glb room.vdb --object knot.glb@0,0,1 --path circle:1,4\n"
