@@ -3,7 +3,7 @@
 //
 // Inputs: IvoryLobeTable and two 3D textures with linear filters from ivory::bind(GpuLobes): x angle, y second exponent,
 // z first; `integrals` R32F holds integral/guess, `products` RGB32F that, the axis' correction and the exponent's share.
-// Hardware that filters with weights of 8 bits adds 1/512 of the difference between neighbouring nodes at most.
+// Hardware that filters with weights of 8 bits adds at most 1/512 of the difference between neighbouring nodes along each axis.
 #include "lobe.glsl"
 
 struct IvoryLobeTable {
