@@ -87,12 +87,14 @@ TEST_F(ChartCommand, FillsTablesOfADocument) {
                              "-->\nstays\n<!-- /chart -->\n";
   const RunResult run = run_ivory(chart("--fill " + document));
   ASSERT_EQ(run.exit_code, 0) << run.output;
-  EXPECT_NE(run.output.find("no table none"), std::string::npos) << run.output;
+  EXPECT_NE(run.output.find("have no none"), std::string::npos) << run.output;
   const std::string text = bytes_of(document);
   EXPECT_EQ(text.find("old"), std::string::npos);
   EXPECT_NE(text.find("| sky |"), std::string::npos) << text;
   EXPECT_NE(text.find("Kept."), std::string::npos);
   EXPECT_NE(text.find("stays"), std::string::npos);
+  EXPECT_EQ(bytes_of(path("charts/sh9_order.png")), read("sh9_order.png"));
+  EXPECT_FALSE(read("sh9_order.png").empty());
 }
 
 TEST_F(ChartCommand, BadRequests) {

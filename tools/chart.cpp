@@ -122,9 +122,10 @@ void add_chart_command(CLI::App& app, CommonOptions& common) {
       ->expected(1)
       ->type_name("SIZE");
   command
-      ->add_option_function<std::vector<std::string>>(
-          "--fill", pass("--fill"),
-          "Rewrite the tables between <!-- chart: NAME --> and <!-- /chart --> of a Markdown file; may\nbe repeated")
+      ->add_option_function<std::vector<std::string>>("--fill", pass("--fill"),
+                                                      "Rewrite the tables between <!-- chart: NAME --> and <!-- /chart "
+                                                      "--> of a Markdown file, and copy\nthe charts "
+                                                      "that it shows as charts/NAME.png beside it; may be repeated")
       ->allow_extra_args(false)
       ->type_name("FILE.md");
   for (const auto& [name, description] : std::array<std::pair<const char*, const char*>, 3>{

@@ -5,6 +5,7 @@ import random
 
 import probes
 import tables
+from plot import slug
 from runner import File, Out, Point, Step
 
 TITLE = "Directional bases"
@@ -56,8 +57,8 @@ def directional_points(suite, inputs):
             path = inputs.path(f"lights_{lights}_{sample}.gltf")
             cases.append((f"{lights} distant light{'s' if lights > 1 else ''}", str(sample), File(tiny_scene(path, light)), (), light))
     empty = File(tiny_scene(inputs.path("lights_0.gltf"), []))
-    for name, path in inputs.environments().items():
-        cases.append(("environments", name, empty, ("--env", File(path)), None))
+    for name, environment in inputs.environments(suite).items():
+        cases.append(("environments", name, empty, ("--env", environment), None))
 
     for panel, name, scene, options, light in cases:
         truth = None
@@ -132,7 +133,7 @@ def draw(records, figures):
                       "A mark a set of lights or environment.", panels, columns=2)
     for panel in dict.fromkeys(r["panel"] for r in records if "memory_bytes" in r):
         here = [r for r in records if r["panel"] == panel]
-        figures.costs(here, "bases_" + panel.split(",")[0].replace(" ", "_").replace("'", ""), f"Bases: {panel}",
+        figures.costs(here, slug("bases", panel.split(",")[0]), f"Bases: {panel}",
                       "Bake time grows with the number of vertices alone.",
                       axes=(("memory_bytes", "nrmse"), ("memory_bytes", "relative_rmse")))
 

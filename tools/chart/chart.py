@@ -28,7 +28,7 @@ def parse(arguments):
     parser.add_argument("--draw", action="store_true", help="measure nothing, draw what results.jsonl has")
     parser.add_argument("--any-build", action="store_true", help="keep results of other builds of ivory of this version")
     parser.add_argument("--fill", metavar="FILE.md", action="append", default=[],
-                        help="rewrite the tables between <!-- chart: NAME --> and <!-- /chart --> of this file")
+                        help="rewrite the tables between <!-- chart: NAME --> and <!-- /chart --> of this file, and copy its charts/NAME.png")
     parser.add_argument("--size", choices=("quick", "full"), default="quick", help="of a single curve [quick]")
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     parser.add_argument("--quiet", action="store_true")
@@ -79,12 +79,16 @@ def main(arguments):
     if not all_records:
         raise Failure("nothing was measured; see --list and --only")
     written = page.write(runner.folder, options.suite, sections, inputs.skipped + runner.failed, all_records, runner)
-    with open(os.path.join(runner.folder, "tables.json"), "w", encoding="utf-8") as file:
+    kept = os.path.join(runner.folder, "tables.json")
+    if os.path.exists(kept):  # those of other curves
+        with open(kept, encoding="utf-8") as file:
+            markdown = {**json.load(file), **markdown}
+    with open(kept, "w", encoding="utf-8") as file:
         json.dump(markdown, file, indent=1)
     for path in options.fill:
-        missing = tables.rewrite(path, markdown)
+        missing = tables.rewrite(path, markdown, runner.folder)
         if missing:
-            print(f"ivory: {path}: these results have no table {', '.join(missing)}; it stays as it was", file=sys.stderr)
+            print(f"ivory: {path}: these results have no {', '.join(missing)}; left as it was", file=sys.stderr)
     if not options.quiet:
         for what, why in inputs.skipped:
             print(f"skipped: {what}: {why}", file=sys.stderr)

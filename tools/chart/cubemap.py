@@ -5,6 +5,7 @@ import random
 
 import probes
 import tables
+from plot import slug
 from runner import File, Out, Point, Step
 
 TITLE = "Objects near a point: localized cube maps"
@@ -119,7 +120,7 @@ def draw(records, figures):
     if panels:
         figures.sweep("cubemap_wall", "Cube maps: a ball on its way to the wall", "", panels, columns=len(panels) // 2)
     for panel in dict.fromkeys(r["panel"] for r in records if "gap" not in r):
-        figures.costs([r for r in records if r["panel"] == panel], "cubemap_" + panel.replace(" ", "_"), f"Cube maps: {panel}",
+        figures.costs([r for r in records if r["panel"] == panel], slug("cubemap", panel), f"Cube maps: {panel}",
                       "Labels: texels along a face's edge.", axes=(("read_ns", "nrmse"), ("memory_bytes", "nrmse"), ("memory_bytes", "relative_rmse"),
                                                                   ("read_ns", "relative_rmse")))
 

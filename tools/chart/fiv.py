@@ -4,6 +4,7 @@ import random
 
 import tables
 from grid import errors
+from plot import slug
 from runner import File, Out, Point, Step
 
 TITLE = "Moving occluders: FIV tables"
@@ -25,8 +26,8 @@ def table_bytes(samples, hemispheres):
 
 def plane_points(suite, inputs):
     mesh = File(inputs.occluder())
-    known = inputs.environments()
-    lights = [(name, ("--env", File(path))) for name, path in known.items()
+    known = inputs.environments(suite)
+    lights = [(name, ("--env", environment)) for name, environment in known.items()
               if name in ("sky", "drachenfels_cellar", "studio_small_05", "noon_grass")]
     lights += [("two area lights", ("--light", "two")), ("one hard light", ("--light", "one"))]
     if suite == "full":
@@ -75,13 +76,13 @@ def crowd(inputs, count):
 
 
 def picture_points(suite, inputs):
-    environments = inputs.environments()
+    environments = inputs.environments(suite)
     full = suite == "full"
     names = [n for n in ("sky", "drachenfels_cellar", "noon_grass") if n in environments] if full else ["sky"]
     size, reference = ("240x180", "2k") if full else ("120x90", "256")
     knot = File(inputs.bundled("knot.glb"))
     for name in names:
-        env = ("--env", File(environments[name]))
+        env = ("--env", environments[name])
 
         def scene_points(count, tables_wanted, samples_of_paths, extra=()):
             scene = File(crowd(inputs, count))
@@ -155,7 +156,7 @@ def draw(records, figures):
             for light in lights])
     pictures = [r for r in records if "occluders" in r]
     for panel in dict.fromkeys(r["panel"] for r in pictures):
-        figures.costs([r for r in pictures if r["panel"] == panel], "fiv_" + panel.replace(", ", "_").replace(" ", "_"),
+        figures.costs([r for r in pictures if r["panel"] == panel], slug("fiv", panel),
                       f"FIV tables in a picture: {panel}", "", axes=(("time_s", "nrmse"), ("picture_s", "nrmse"), ("memory_bytes", "nrmse"),
                                                                      ("picture_s", "relative_rmse")))
     many = [r for r in pictures if r["series"] in ("six hemispheres", "path tracing")]

@@ -1,5 +1,8 @@
 """Irradiance-vector grids beside path tracing and a photon map: whole pictures of indirect light."""
+import re
+
 import tables
+from plot import slug
 from runner import File, Out, Point, Step
 
 TITLE = "Indirect light: irradiance-vector grids, path tracing, photon maps"
@@ -8,7 +11,7 @@ left out of the error (`ivory compare A REF REF2`); what is left of it in their 
 along the longest side; labels on the marks are photons, samples or gather rays."""
 
 SIZE = {"quick": "120x90", "full": "240x180"}
-REFERENCE_SAMPLES = {"quick": "1k", "full": "4k"}
+REFERENCE_SAMPLES = {"quick": "1k", "full": "2k"}
 DIRECT_SAMPLES, GATHER_SAMPLES = 16, 4
 
 
@@ -120,7 +123,7 @@ def points(suite, inputs, runner):
 def draw(records, figures):
     for name in dict.fromkeys(r["panel"] for r in records):
         here = [r for r in records if r["panel"] == name]
-        figures.costs(here, "grid_" + name.replace(" ", "_").replace("'", ""), f"Indirect light: {name}", "")
+        figures.costs(here, slug("grid", name), f"Indirect light: {name}", "")
 
 
 def page_tables(records):
@@ -129,4 +132,21 @@ def page_tables(records):
 
 
 def markdown_tables(records):
-    return {"grid_front": tables.front_table(records)}
+    return {"grid_front": tables.front_table(records), "grid_never_on_front": tables.never_on_front(records),
+            "grid_time": time_table(records)}
+
+
+def time_table(records):
+    """Time of path tracing to the error of each grid read directly: a path tracer's error falls with the root of its time."""
+    rows = []
+    for panel in dict.fromkeys(r["panel"] for r in records):
+        here = [r for r in records if r["panel"] == panel]
+        paths = max((r for r in here if r["series"] == "path tracing"), key=lambda r: r["time_s"], default=None)
+        if not paths:
+            continue
+        for r in here:
+            if re.fullmatch("grid, [0-9]+ vertices", r["series"]) and r["nrmse"] > 0:
+                same = paths["time_s"] * (paths["nrmse"] / r["nrmse"]) ** 2
+                rows.append((panel, f"{r['series'][6:]}, {r['label']} photons", tables.seconds(r["time_s"]), tables.percent(r["nrmse"]),
+                             tables.seconds(same), tables.number(same / r["time_s"], 2)))
+    return tables.markdown(("scene", "grid", "bake + picture", "NRMSE", "path tracing to the same", "ratio"), rows)

@@ -1,9 +1,22 @@
 """Scenes, meshes and environments that the suites measure on: bundled, generated, or from sample data where that is at hand."""
+import functools
 import json
 import os
 import struct
 import subprocess
 import sys
+
+from runner import Failure, File
+
+
+def clamp(path, out):
+    """A copy of a map without the values below zero that filtering left at sharp edges: no light is less than none."""
+    part = out[:-4] + ".part.exr"
+    try:
+        subprocess.run(["oiiotool", path, "--ch", "R,G,B", "--maxc", "0", "-d", "float", "-o", part], check=True, capture_output=True)
+    except (OSError, subprocess.CalledProcessError) as error:
+        raise Failure(f"{path}: cannot be clamped at zero: {error}; install Debian's openimageio-tools") from error
+    os.replace(part, out)
 
 
 class Inputs:
@@ -55,34 +68,24 @@ class Inputs:
     def occluder(self):
         return self.bunny() or self.bundled("knot.glb")
 
-    def environments(self):
-        """{name: path}, from the bundled sky to all that the sample data has."""
-        found = {"sky": self.bundled("sky.hdr")}
+    def environments(self, suite):
+        """{name: File}: the bundled sky and those of the sample data; all that is at hand in the full suite."""
+        found = {"sky": File(self.bundled("sky.hdr"))}
         for name in ("drachenfels_cellar", "studio_small_05", "noon_grass"):
             path = self.sample(f"env/{name}_1k.hdr")
             if path:
-                found[name] = path
+                found[name] = File(path)
+        if suite != "full":
+            return found
         blender = "/usr/share/blender/datafiles/studiolights/world"
         if os.path.isdir(blender):
             for name in sorted(os.listdir(blender)):
                 if name.endswith(".exr"):
-                    found[name[:-4]] = self._clamped(os.path.join(blender, name), name)
+                    source, out = os.path.join(blender, name), self.path(name)
+                    found[name[:-4]] = File(out, functools.partial(clamp, source, out))
         else:
             self.skip("eight more environments", "Debian's package blender-data is not installed")
-        return {name: path for name, path in found.items() if path}
-
-    def _clamped(self, path, name):
-        """These maps have been filtered and dip below zero at sharp edges, which no light does."""
-        out = self.path(name)
-        if not os.path.exists(out):
-            part = out[:-4] + ".part.exr"
-            try:
-                subprocess.run(["oiiotool", path, "--ch", "R,G,B", "--maxc", "0", "-d", "float", "-o", part], check=True, capture_output=True)
-            except (OSError, subprocess.CalledProcessError):
-                self.skip(name, "holds values below zero, and oiiotool (Debian's openimageio-tools), which takes them out, is not there")
-                return None
-            os.replace(part, out)
-        return out
+        return found
 
     def with_camera(self, path, name, eye, target, yfov_rad):
         """A copy of a scene with one more camera, first in line; what the scene refers to stays where it is."""

@@ -8,7 +8,7 @@ import tables
 
 STYLE = """body{font:15px/1.5 system-ui,sans-serif;max-width:1280px;margin:2em auto;padding:0 1em;color:#222}
 h1{font-weight:600}h2{margin-top:2.5em;border-bottom:1px solid #ccc}figure{margin:1.5em 0}figure img{max-width:100%}
-figcaption,.note{color:#555}table{border-collapse:collapse;font-size:13px}td,th{padding:2px 9px;text-align:right;
+table{border-collapse:collapse;font-size:13px}td,th{padding:2px 9px;text-align:right;
 border-bottom:1px solid #e5e5e5;vertical-align:top}td.text,th.text{text-align:left}tr.front{background:#eaf4ea}
 code{font-size:12px;background:#f4f4f4;padding:0 3px;word-break:break-all}nav a{margin-right:1.2em}details{margin:1em 0}"""
 
@@ -17,11 +17,11 @@ def paragraph(text):
     return "<p>" + re.sub(r"`([^`]*)`", r"<code>\1</code>", html.escape(" ".join(text.split()))) + "</p>"
 
 
-def picture(folder, name, title, caption):
+def picture(folder, name, title):
     with open(os.path.join(folder, f"{name}.svg"), "rb") as file:
         data = base64.b64encode(file.read()).decode()
     return (f'<figure id="{name}"><img alt="{html.escape(title)}" src="data:image/svg+xml;base64,{data}">'
-            f"<figcaption>{html.escape(caption)}</figcaption></figure>")
+            "</figure>")
 
 
 def table(rows, head, front=()):

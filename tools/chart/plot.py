@@ -1,6 +1,8 @@
 """Charts of error against cost: log-log, error bars, the references' own error as a floor, the Pareto front marked."""
 import math
 import os
+import re
+import textwrap
 
 import matplotlib
 
@@ -25,7 +27,9 @@ def pareto(records, x, y):
 
 
 def plain(x, _=None):
-    return f"{x:.10f}".rstrip("0").rstrip(".") if 1e-4 <= x < 1e6 else f"{x:.0e}"
+    if x == 0:
+        return "0"
+    return f"{x:.10f}".rstrip("0").rstrip(".") if 1e-3 <= abs(x) < 1e6 else f"{x:.0e}".replace("e-0", "e-").replace("e+0", "e")
 
 
 def percent(x, _=None):
@@ -44,8 +48,15 @@ def logarithmic(axis, form):
     data = [v for line in axis.axes.lines for v in (line.get_xdata() if axis.axis_name == "x" else line.get_ydata())]
     positive = [abs(v) for v in data if isinstance(v, (int, float)) and v != 0]
     if positive and any(isinstance(v, (int, float)) and v <= 0 for v in data):
-        scale = {"linthresh": min(positive), "linscale": 0.4}
+        least = max(min(positive), 1e-12 * max(positive))
+        scale = {"linthresh": least, "linscale": 0.4}
         (axis.axes.set_xscale if axis.axis_name == "x" else axis.axes.set_yscale)("symlog", **scale)
+        decades = math.log10(max(positive) / least)
+        axis.set_major_locator(ticker.SymmetricalLogLocator(base=10 ** max(1, math.ceil(decades / 8)), linthresh=least))
+        # The tick at the threshold would stand upon that at zero.
+        axis.set_major_formatter(ticker.FuncFormatter(lambda v, i=None: "" if 0 < abs(v) < 1.5 * least else form(v)))
+        if min(v for v in data if isinstance(v, (int, float))) >= 0:
+            (axis.axes.set_xlim if axis.axis_name == "x" else axis.axes.set_ylim)(-0.3 * least, 2 * max(positive))
         return
     axis.axes.set_xscale("log") if axis.axis_name == "x" else axis.axes.set_yscale("log")
     low, high = axis.get_view_interval()
@@ -59,20 +70,29 @@ def logarithmic(axis, form):
 FORMATS = {"memory_bytes": size, "nrmse": percent, "relative_rmse": percent}
 
 
+def slug(*words):
+    """A file's name of words for people: "grid", "bunny's room" -> grid_bunnys_room."""
+    return re.sub("[^a-z0-9]+", "_", "_".join(words).lower().replace("'", "")).strip("_")
+
+
 class Figures:
     """Writes NAME.svg and NAME.png into the folder and remembers them for the page."""
 
     def __init__(self, folder):
         self.folder = folder
-        self.made = []  # (name, title, caption)
+        self.made = []  # (name, title)
 
     def save(self, figure, name, title, caption=""):
+        figure.suptitle(title, fontsize=11)
+        if caption:
+            width = int(17 * figure.get_figwidth())
+            figure.supxlabel("\n".join(textwrap.wrap(caption, width)), fontsize=8.5, color="#444444")
         for extension, options in (("svg", {"metadata": {"Date": None}}), ("png", {})):
             path = os.path.join(self.folder, f"{name}.{extension}")
             figure.savefig(f"{path}.part", format=extension, bbox_inches="tight", **options)
             os.replace(f"{path}.part", path)
         pyplot.close(figure)
-        self.made.append((name, title, caption))
+        self.made.append((name, title))
 
     def costs(self, records, name, title, caption, axes=None, names=None):
         """One panel a pair (cost, error) of `axes`; one line a series. names: other titles of axes than NAMES."""
@@ -97,7 +117,6 @@ class Figures:
             for handle, label in zip(*panel.get_legend_handles_labels()):
                 handles.setdefault(label, handle)
         figure.legend(handles.values(), handles.keys(), loc="center left", bbox_to_anchor=(1.0, 0.5))
-        figure.suptitle(title, fontsize=11)
         self.save(figure, name, title, caption)
 
     @staticmethod
@@ -132,7 +151,11 @@ class Figures:
         """panels: [(title, x name, y name, log x, log y, [(label, xs, ys, errors or None, style)])].
 
         bounds: for each line of a single panel, [(x, bound)], drawn as dashes."""
-        columns = columns or min(len(panels), 3)
+        panels = [(*p[:5], [line for line in p[5] if len(line[1])]) for p in panels]
+        panels = [p for p in panels if p[5]]
+        if not panels:
+            return
+        columns = min(columns or 3, len(panels))
         rows = (len(panels) + columns - 1) // columns
         figure, axes = pyplot.subplots(rows, columns, figsize=(4.6 * columns + 0.6, 3.6 * rows), squeeze=False,
                                        constrained_layout=True)
@@ -158,7 +181,6 @@ class Figures:
             figure.legend(handles.values(), handles.keys(), loc="center left", bbox_to_anchor=(1.0, 0.5))
         for panel in axes.flat[len(panels):]:
             panel.remove()
-        figure.suptitle(title, fontsize=11)
         self.save(figure, name, title, caption)
 
 

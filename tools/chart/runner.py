@@ -27,8 +27,9 @@ class Failure(Exception):
 
 @dataclasses.dataclass(frozen=True)
 class File:
-    """An input that is there before anything runs."""
+    """An input; `make` writes it where it is not there when first used."""
     path: str
+    make: object = None
 
 
 @dataclasses.dataclass(frozen=True)
@@ -119,10 +120,12 @@ class Runner:
             file.flush()
             os.fsync(file.fileno())
 
-    def file_hash(self, path):
-        if path not in self._hashes:
-            self._hashes[path] = self._file_hash(path)
-        return self._hashes[path]
+    def file_hash(self, file):
+        if file.path not in self._hashes:
+            if file.make and not os.path.exists(file.path):
+                file.make()
+            self._hashes[file.path] = self._file_hash(file.path)
+        return self._hashes[file.path]
 
     def valid(self, key):
         """The record of that key, unless another build of ivory made it."""
@@ -134,7 +137,7 @@ class Runner:
         parts = [self.version, step.threads or self.threads if step.timed else 0]
         for a in step.arguments:
             if isinstance(a, File):
-                parts.append("file:" + self.file_hash(a.path))
+                parts.append("file:" + self.file_hash(a))
             elif isinstance(a, Step):
                 parts.append("step:" + self.key(a))
             elif isinstance(a, tuple):
@@ -237,19 +240,25 @@ class Runner:
     def known(self, point):
         return self.valid(self.point_key(point)) is not None
 
+    def is_done(self, point):
+        try:
+            return self.known(point)
+        except (Failure, OSError):
+            return False
+
     def points(self, points):
         """Records of all points that could be measured."""
         done, start = [], time.monotonic()
-        new = sum(not self.known(p) for p in points)
+        new = sum(not self.is_done(p) for p in points)
         count = 0
         for p in points:
-            if not self.known(p):
-                count += 1
-                if not self.quiet:
-                    print(f"[{count}/{new}, {time.monotonic() - start:.0f} s] {p.name}", file=sys.stderr, flush=True)
             try:
+                if not self.known(p):
+                    count += 1
+                    if not self.quiet:
+                        print(f"[{count}/{new}, {time.monotonic() - start:.0f} s] {p.name}", file=sys.stderr, flush=True)
                 done.append(self.point(p))
-            except Failure as failure:
+            except (Failure, OSError) as failure:
                 self.failed.append((p.name, str(failure)))
                 print(f"failed: {p.name}: {failure}", file=sys.stderr, flush=True)
         return done

@@ -4,6 +4,7 @@
 """
 import os
 import re
+import shutil
 
 from plot import pareto
 
@@ -66,13 +67,28 @@ def front_table(records):
     return "\n".join(lines) + "\n"
 
 
+def never_on_front(records):
+    """Of each series: in how many panels it is on the front of error against time, and against memory; in Markdown."""
+    panels = list(dict.fromkeys(r["panel"] for r in records))
+    rows = []
+    for series in dict.fromkeys(r["series"] for r in records):
+        where = [p for p in panels if any(r["panel"] == p and r["series"] == series for r in records)]
+        cells = [sum(series in {r["series"] for r in pareto([r for r in records if r["panel"] == p], x, "nrmse")} for p in where)
+                 for x in ("time_s", "memory_bytes")]
+        stored = any(r["memory_bytes"] > 0 for r in records if r["series"] == series)
+        rows.append((series, f"{cells[0]} of {len(where)}", f"{cells[1]} of {len(where)}" if stored else "stores nothing"))
+    rows.sort(key=lambda row: -int(row[1].split()[0]))
+    return markdown(("method", "scenes where it is on the front by time", "by memory"), rows)
+
+
 def markdown(head, rows):
     return "\n".join(["| " + " | ".join(head) + " |", "|" + "---|" * len(head)] +
                      ["| " + " | ".join(str(c) for c in row) + " |" for row in rows]) + "\n"
 
 
-def rewrite(path, tables):
-    """Replaces what stands between the markers; names of tables that the results do not have are returned."""
+def rewrite(path, tables, folder):
+    """Replaces what stands between the markers, and copies the charts that the document shows as charts/NAME.png or .svg to
+    beside it; returns what the results do not have."""
     with open(path, encoding="utf-8") as file:
         text = file.read()
     missing = []
@@ -84,6 +100,13 @@ def rewrite(path, tables):
         return match[1] + tables[match[2]] + match[4]
 
     new = MARKER.sub(fill, text)
+    for name in dict.fromkeys(re.findall(r"\]\(charts/([a-z0-9_]+\.(?:png|svg))\)", text)):
+        if os.path.exists(os.path.join(folder, name)):
+            target = os.path.join(os.path.dirname(path), "charts")
+            os.makedirs(target, exist_ok=True)
+            shutil.copyfile(os.path.join(folder, name), os.path.join(target, name))
+        else:
+            missing.append(name)
     if new != text:
         with open(path + ".part", "w", encoding="utf-8") as file:
             file.write(new)
