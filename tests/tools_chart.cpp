@@ -84,7 +84,7 @@ TEST_F(ChartCommand, MeasuresGoesOnAndDraws) {
 TEST_F(ChartCommand, FillsTablesOfADocument) {
   const std::string document = path("accuracy.md");
   std::ofstream(document) << "# Accuracy\n\n<!-- chart: sh9 -->\nold\n<!-- /chart -->\nKept.\n<!-- chart: none "
-                             "-->\nstays\n<!-- /chart -->\n";
+                             "-->\nstays\n<!-- /chart -->\n![SH9](charts/sh9_order.png)\n";
   const RunResult run = run_ivory(chart("--fill " + document));
   ASSERT_EQ(run.exit_code, 0) << run.output;
   EXPECT_NE(run.output.find("have no none"), std::string::npos) << run.output;
@@ -93,7 +93,7 @@ TEST_F(ChartCommand, FillsTablesOfADocument) {
   EXPECT_NE(text.find("| sky |"), std::string::npos) << text;
   EXPECT_NE(text.find("Kept."), std::string::npos);
   EXPECT_NE(text.find("stays"), std::string::npos);
-  EXPECT_EQ(bytes_of(path("charts/sh9_order.png")), read("sh9_order.png"));
+  EXPECT_TRUE(bytes_of(path("charts/sh9_order.png")) == read("sh9_order.png"));  // no dump of a picture
   EXPECT_FALSE(read("sh9_order.png").empty());
 }
 

@@ -56,7 +56,11 @@ def main(arguments):
     figures, sections, all_records, markdown = Figures(runner.folder), [], [], {}
     for name in curves:
         curve = importlib.import_module(name)
-        points = [p for p in curve.points(size, inputs, runner) if wanted(p, options.only)]
+        try:
+            points = [p for p in curve.points(size, inputs, runner) if wanted(p, options.only)]
+        except (Failure, OSError) as failure:
+            runner.failed.append((name, str(failure)))
+            continue
         if len({p.name for p in points}) != len(points):
             raise Failure(f"{name}: two points have one name")
         if options.list:
@@ -77,7 +81,8 @@ def main(arguments):
     if runner.failed:
         print(f"ivory: {len(runner.failed)} points failed, the first: {runner.failed[0][0]}: {runner.failed[0][1]}", file=sys.stderr)
     if not all_records:
-        raise Failure("nothing was measured; see --list and --only")
+        raise Failure("nothing was measured; see --list and --only" +
+                      ("; --any-build takes what another build of ivory measured" if options.draw else ""))
     written = page.write(runner.folder, options.suite, sections, inputs.skipped + runner.failed, all_records, runner)
     kept = os.path.join(runner.folder, "tables.json")
     if os.path.exists(kept):  # those of other curves
