@@ -148,6 +148,7 @@ void add_bench_command(CLI::App& app, CommonOptions& common) {
   add_bench_cubemap_command(*bench, common);
   add_bench_sh9_command(*bench, common);
   add_bench_fiv_command(*bench, common);
+  add_bench_runtime_command(*bench, common);
   add_bench_stability_command(*bench, common);
   add_bench_gaussians_command(*bench, common);
 }

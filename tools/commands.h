@@ -27,6 +27,7 @@ void add_chart_command(CLI::App& app, CommonOptions& common);
 // `bench` is the `ivory bench` command.
 void add_bench_cubemap_command(CLI::App& bench, CommonOptions& common);
 void add_bench_fiv_command(CLI::App& bench, CommonOptions& common);
+void add_bench_runtime_command(CLI::App& bench, CommonOptions& common);
 void add_bench_sh9_command(CLI::App& bench, CommonOptions& common);
 void add_bench_stability_command(CLI::App& bench, CommonOptions& common);
 void add_bench_gaussians_command(CLI::App& bench, CommonOptions& common);
