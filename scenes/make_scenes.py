@@ -240,6 +240,27 @@ def knot(folder):
     gltf.save(folder / "knot.glb")
 
 
+def crowd(folder):
+    """Forty knots on a wide floor, of three sizes, every fifth in the air: shadows of many upon each other."""
+    floor = Piece()
+    floor.positions = [(-12.0, 0.0, -12.0), (-12.0, 0.0, 12.0), (12.0, 0.0, 12.0), (12.0, 0.0, -12.0)]
+    floor.triangles = [(0, 1, 2), (0, 2, 3)]
+    gltf = Gltf()
+    gltf.node("floor", mesh=gltf.mesh("floor", {"stone": floor}, {"stone": gltf.material("stone", (0.6, 0.58, 0.55))}))
+    clay = {"clay": gltf.material("clay", (0.7, 0.55, 0.45))}
+    mesh = gltf.mesh("knot", {"clay": shapes.torus_knot(200, 24, True)}, clay, quantize_scale=1.0)
+    for i in range(40):
+        # Vogel's spiral: every knot has the same room.
+        angle = 2.399963 * i
+        reach = 0.98 * math.sqrt(i + 0.5)
+        size = (0.75, 0.6, 0.9)[i % 3]
+        height = 0.45 * size + (0.7 if i % 5 == 4 else 0.0)
+        place = [reach * math.cos(angle), height, reach * math.sin(angle)]
+        gltf.node("knot", mesh=mesh, translation=[round(x, 4) for x in place], scale=[size] * 3)
+    gltf.camera("visitor", (1.6, 7.6, 12.0), (0.1, 0.0, 0.4), 0.75)
+    gltf.save(folder / "crowd.glb")
+
+
 def sky(folder):
     """Lat-long map, 128 x 64: blue above, a low warm sun of 6 degrees radius, grey ground. Radiance in nits as RGBE."""
     width, height = 128, 64
@@ -279,6 +300,7 @@ def main(arguments):
     detail(folder, "detail_high", 500, 50, relief=True)
     plaza(folder)
     knot(folder)
+    crowd(folder)
     sky(folder)
 
 
