@@ -77,7 +77,7 @@ std::vector<StabilityPoint> tiny_emitters(const StabilityParams& params) {
 
     GridBakeParams bake;
     bake.resolution = V3i(8, 8, 8);
-    bake.photons = params.quick ? 60'000 : 1'000'000;
+    bake.photons = params.quick ? 60'000 : 300'000;
     const IrradianceGrid grid = finish(bake_grid_sums(*world.intersector, *world.lights, bake));
     double path = 0;
     double chance = 0;
@@ -120,7 +120,7 @@ std::vector<StabilityPoint> caustics(const StabilityParams& params) {
     const StabilityWorld world(std::move(scene));
     GridBakeParams bake;
     bake.voxel_size_m = float(voxel);
-    bake.photons = params.quick ? 400'000 : 4'000'000;
+    bake.photons = params.quick ? 400'000 : 1'000'000;
     const IrradianceGrid grid = finish(bake_grid_sums(*world.intersector, *world.lights, bake));
     const auto read = [&](double x, double z) {
       const V3f n(0, 1, 0);
@@ -177,7 +177,7 @@ Scene make_hole_room(float hole, bool lamp) {
 
 std::vector<StabilityPoint> nearly_closed(const StabilityParams& params) {
   const int samples = params.quick ? 256 : 4096;
-  const std::uint64_t photons = params.quick ? 100'000 : 4'000'000;
+  const std::uint64_t photons = params.quick ? 100'000 : 1'000'000;
   std::vector<StabilityPoint> points;
   for (const double hole : {1.0, 0.5, 0.2, 0.1, 0.05, 0.02}) {
     const double h = hole / 2;
@@ -239,7 +239,7 @@ std::vector<StabilityPoint> albedo_to_one(const StabilityParams& params) {
       if (bounces > 1000 && albedo < 0.99) continue;
       GridBakeParams bake;
       bake.resolution = V3i(8, 8, 8);
-      bake.photons = params.quick ? 1500 : 40'000;
+      bake.photons = params.quick ? 1500 : 8000;
       bake.max_bounces = bounces;
       const IrradianceGrid grid = finish(bake_grid_sums(*world.intersector, *world.lights, bake));
       double mean = 0;

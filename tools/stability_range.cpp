@@ -72,7 +72,7 @@ std::vector<StabilityPoint> float16_range(const StabilityParams&) {
 IrradianceGrid bake_chambers(const StabilityWorld& world, const StabilityParams& params, const Chambers& chambers) {
   GridBakeParams bake;
   bake.voxel_size_m = chambers.side_m / 12;
-  bake.photons = params.quick ? 30'000 : 300'000;
+  bake.photons = params.quick ? 30'000 : 100'000;
   return bake_all_light(world, bake);
 }
 

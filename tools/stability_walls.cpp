@@ -20,7 +20,7 @@ M44f rotation(float degrees) {
 GridBakeParams bake_params(const StabilityParams& params, Guard guard) {
   GridBakeParams bake;
   bake.voxel_size_m = 2.0F / cells;
-  bake.photons = params.quick ? 60'000 : 500'000;
+  bake.photons = params.quick ? 60'000 : 200'000;
   bake.guard = guard;
   return bake;
 }
