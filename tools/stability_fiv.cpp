@@ -207,8 +207,8 @@ std::vector<StabilityCase> stability_fiv_cases() {
       {.name = "fiv_hard_light",
        .title = "FIV shadows of an ever smaller sun",
        .sentence =
-           "Shadows of a sun smaller than the spacing of a table's samples come out blurred, with an error of some "
-           "ten times that of a broad light: take more samples, or light a small sun by shadow rays instead.",
+           "Shadows of a sun smaller than the spacing of a table's samples come out blurred, with an error "
+           "several times that of a broad light: take more samples, or light a small sun by shadow rays instead.",
        .x_label = "half-angle of the sun, degrees",
        .y_label = "NRMSE of E on the floor",
        .log_x = true,
