@@ -256,7 +256,8 @@ def crowd(folder):
         size = (0.75, 0.6, 0.9)[i % 3]
         height = 0.45 * size + (0.7 if i % 5 == 4 else 0.0)
         place = [reach * math.cos(angle), height, reach * math.sin(angle)]
-        gltf.node("knot", mesh=mesh, translation=[round(x, 4) for x in place], scale=[size] * 3)
+        gltf.node(f"knot_{i + 1}", mesh=mesh, translation=[round(x, 4) for x in place], scale=[size] * 3,
+                  extras={"ivory_occluder": "knot.exr"})
     gltf.camera("visitor", (1.6, 7.6, 12.0), (0.1, 0.0, 0.4), 0.75)
     gltf.save(folder / "crowd.glb")
 
