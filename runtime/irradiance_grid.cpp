@@ -26,32 +26,10 @@ float stored_unit(float largest) {
   return std::ldexp(1.0F, exponent - 15);
 }
 
-// How `count` volumes are put side by side: without a gap, so that memory is never wasted; along z where the context
-// takes that length, as then each volume is contiguous; else the arrangement with the shortest longest side.
-V3i arrange(const std::string& what, const V3i& size, int count) {
-  GLint limit = 0;
-  IVORY_GL(glGetIntegerv, GL_MAX_3D_TEXTURE_SIZE, &limit);
-  V3i best(1, 1, count);
-  const auto longest = [&](const V3i& tiles) {
-    return std::max({std::int64_t(size.x) * tiles.x, std::int64_t(size.y) * tiles.y, std::int64_t(size.z) * tiles.z});
-  };
-  if (longest(best) <= limit) return best;
-  for (int x = 1; x <= count; ++x) {
-    for (int y = 1; x * y <= count; ++y) {
-      const V3i tiles(x, y, count / (x * y));
-      if (count % (x * y) == 0 && longest(tiles) < longest(best)) best = tiles;
-    }
-  }
-  if (longest(best) > limit) {
-    throw Error(what,
-                fmt::format("{} x {} x {} vertices need a 3D texture of {} texels a side, and this OpenGL takes {}",
-                            size.x, size.y, size.z, longest(best), limit),
-                "bake it coarser");
-  }
-  return best;
+std::int64_t longest_side(const V3i& vertices, const V3i& tiles) {
+  return std::max(
+      {std::int64_t(vertices.x) * tiles.x, std::int64_t(vertices.y) * tiles.y, std::int64_t(vertices.z) * tiles.z});
 }
-
-V3i tile(const V3i& tiles, int f) { return {f % tiles.x, f / tiles.x % tiles.y, f / (tiles.x * tiles.y)}; }
 
 GpuGrid upload_named(const std::string& what, const IrradianceGrid& grid, const GridUploadParams& params) {
   if (params.form == GridForm::norms_and_directions && grid.basis != Basis::vectors)
@@ -64,7 +42,17 @@ GpuGrid upload_named(const std::string& what, const IrradianceGrid& grid, const 
   out.guarded = !grid.guard.empty();
   const V3i size = grid.frame.size;
   const int count = function_count(grid.basis);
-  out.tiles = arrange(what, size, count);
+  GLint limit = 0;
+  IVORY_GL(glGetIntegerv, GL_MAX_3D_TEXTURE_SIZE, &limit);
+  out.tiles = arrange_volumes(size, count, limit);
+  if (out.tiles.x == 0) {
+    throw Error(
+        what,
+        fmt::format("{} x {} x {} vertices of {} functions do not fit into a 3D texture of {} texels a side, the "
+                    "most that this OpenGL takes",
+                    size.x, size.y, size.z, count, limit),
+        "bake it coarser");
+  }
 
   // The trust as the texture will hold it, so that dividing by it undoes what multiplying did.
   const std::size_t vertices = grid.frame.vertex_count();
@@ -82,7 +70,7 @@ GpuGrid upload_named(const std::string& what, const IrradianceGrid& grid, const 
   std::vector<float> texels(slice * std::size_t(extent.z) * 3);
   std::array<std::size_t, max_functions> first{};
   for (int f = 0; f < count; ++f) {
-    const V3i at = tile(out.tiles, f) * size;
+    const V3i at = volume_place(size, out.tiles, f);
     first[std::size_t(f)] = std::size_t(at.z) * slice + std::size_t(at.y) * row + std::size_t(at.x);
   }
   std::size_t vertex = 0;
@@ -134,6 +122,23 @@ Choices choose(const GpuGrid& grid, const GridReadParams& params) {
 
 }  // namespace
 
+// Along z where that fits, as then each volume is contiguous; else the arrangement with the shortest longest side.
+V3i arrange_volumes(const V3i& vertices, int count, int limit) {
+  V3i best(1, 1, count);
+  if (longest_side(vertices, best) <= limit) return best;
+  for (int x = 1; x <= count; ++x) {
+    for (int y = 1; x * y <= count; ++y) {
+      const V3i tiles(x, y, count / (x * y));
+      if (count % (x * y) == 0 && longest_side(vertices, tiles) < longest_side(vertices, best)) best = tiles;
+    }
+  }
+  return longest_side(vertices, best) <= limit ? best : V3i(0, 0, 0);
+}
+
+V3i volume_place(const V3i& vertices, const V3i& tiles, int f) {
+  return V3i(f % tiles.x, f / tiles.x % tiles.y, f / (tiles.x * tiles.y)) * vertices;
+}
+
 GpuGrid upload(const IrradianceGrid& grid, const GridUploadParams& params) {
   return upload_named("irradiance grid", grid, params);
 }
@@ -150,7 +155,7 @@ int bind(const GpuGrid& grid, gl::Program& program, int first_unit, const GridRe
   program.set("ivory_grid.local_to_world", grid.frame.local_to_world);
   program.set("ivory_grid.size", grid.frame.size);
   for (int f = 0; f < function_count(grid.basis); ++f)
-    program.set(fmt::format("ivory_grid.slab[{}]", f), V3f(tile(grid.tiles, f) * grid.frame.size));
+    program.set(fmt::format("ivory_grid.slab[{}]", f), V3f(volume_place(grid.frame.size, grid.tiles, f)));
   program.set("ivory_grid.texel", V3f(1, 1, 1) / V3f(grid.volumes.size));
   program.set("ivory_grid.scale", grid.scale);
   program.set("ivory_grid.nudge_m", nudge_m(grid.frame, params.lookup));

@@ -47,6 +47,12 @@ struct GpuGrid {
   std::size_t bytes() const { return volumes.bytes() + trust.bytes() + guard.bytes(); }
 };
 
+// How `count` volumes of that many vertices are put side by side in a texture of at most `limit` texels a side: number
+// of tiles along x, y and z, whose product is `count`, so that no memory is wasted; (0, 0, 0) where nothing fits.
+V3i arrange_volumes(const V3i& vertices, int count, int limit);
+// First texel of volume f.
+V3i volume_place(const V3i& vertices, const V3i& tiles, int f);
+
 // Needs a current context. Throws Error where the grid is larger than the context takes, and UsageError for
 // norms_and_directions of a basis other than vectors.
 GpuGrid upload(const IrradianceGrid& grid, const GridUploadParams& params = {});

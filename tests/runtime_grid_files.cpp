@@ -1,7 +1,9 @@
 // Grids from files to textures: baked ones, what they cost, and what cannot be loaded.
+#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <set>
 
 #include <epoxy/gl.h>
 #include <gtest/gtest.h>
@@ -149,6 +151,24 @@ TEST_F(RuntimeGridFile, VerticesAreReadBack) {
   }
 }
 
+TEST(GridArrangement, FitsWheneverAnyOneDoes) {
+  EXPECT_EQ(arrange_volumes({64, 64, 64}, 12, 2048), V3i(1, 1, 12));
+  EXPECT_EQ(arrange_volumes({10, 300, 200}, 12, 2048), V3i(12, 1, 1));
+  EXPECT_EQ(arrange_volumes({200, 200, 200}, 12, 1000), V3i(2, 2, 3));
+  EXPECT_EQ(arrange_volumes({200, 200, 200}, 9, 600), V3i(1, 3, 3));
+  EXPECT_EQ(arrange_volumes({2, 2, 2049}, 4, 2048), V3i(0, 0, 0));
+  EXPECT_EQ(arrange_volumes({200, 200, 200}, 12, 599), V3i(0, 0, 0));
+  // Every volume has a place of its own within the texture.
+  const V3i tiles(2, 2, 3);
+  std::set<std::array<int, 3>> places;
+  for (int f = 0; f < 12; ++f) {
+    const V3i at = volume_place({5, 6, 7}, tiles, f);
+    EXPECT_TRUE(at.x % 5 == 0 && at.x < 10 && at.y % 6 == 0 && at.y < 12 && at.z % 7 == 0 && at.z < 21) << at;
+    places.insert({at.x, at.y, at.z});
+  }
+  EXPECT_EQ(places.size(), 12U);
+}
+
 // A grid too long for its volumes to lie side by side along z has them along another axis, and reads the same.
 TEST_F(RuntimeGridFile, LongGridsFitByArrangement) {
   GLint limit = 0;
@@ -230,7 +250,7 @@ TEST_F(RuntimeGridFile, WhatCannotBeLoadedIsSaid) {
   GLint limit = 0;
   glGetIntegerv(GL_MAX_3D_TEXTURE_SIZE, &limit);
   write_vdb(path("oversized.vdb"), random_grid(V3i(2, 2, limit + 1), Basis::sh4, false, false, 1), true);
-  expect_refused(path("oversized.vdb"), "this OpenGL takes");
+  expect_refused(path("oversized.vdb"), "do not fit into a 3D texture of");
 
   EXPECT_THROW(upload(random_grid(V3i(2, 2, 2), Basis::sh9, false, false, 1), {GridForm::norms_and_directions}),
                UsageError);
