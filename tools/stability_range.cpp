@@ -206,10 +206,11 @@ std::vector<StabilityCase> stability_range_cases() {
   return {
       {.name = "float16_range",
        .title = "Irradiance in half floats",
-       .sentence =
-           "Half floats as they are overflow above 65,504 lux and go coarse below 1e-4 lux; scaled by the grid's "
-           "brightest value, as uploads do, they keep 0.1 % at every level and 2 % of 1e-4 lux beside full "
-           "daylight: never store light as halves without a scale.",
+       .sentence = "Half floats as they are overflow above 65,504 lux and go coarse below 1e-4 lux; scaled by the "
+                   "grid's brightest "
+                   "value, as uploads do, they keep 0.1 % at every level and 1 % of 1e-4 lux beside full daylight: "
+                   "never store light "
+                   "as halves without a scale.",
        .x_label = "E, lux",
        .y_label = "worst error of E(n) / E(n)",
        .log_x = true,
@@ -232,9 +233,9 @@ std::vector<StabilityCase> stability_range_cases() {
        .run = sloping_ground},
       {.name = "far_from_origin",
        .title = "Geometry far from the origin",
-       .sentence =
-           "Up to 1 km from the origin a room of 2 m is baked as at the origin; farther out single precision cannot "
-           "place walls and rays, and light leaks: move scenes to the origin before baking.",
+       .sentence = "Up to 10 km from the origin a room of 2 m is baked as at the origin; at 100 km single precision "
+                   "can no longer place "
+                   "walls and rays, and E is wrong by tens of per cent: move scenes to the origin before baking.",
        .x_label = "distance from the origin, m (room of 2 m, wall of 2 cm)",
        .y_label = "error / E",
        .log_x = true,
