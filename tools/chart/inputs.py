@@ -11,9 +11,11 @@ from runner import Failure, File
 
 def clamp(path, out):
     """A copy of a map without the values below zero that filtering left at sharp edges: no light is less than none."""
+    # These files are compressed with losses, which bring values below zero back: the copy is not.
     part = out[:-4] + ".part.exr"
     try:
-        subprocess.run(["oiiotool", path, "--ch", "R,G,B", "--maxc", "0", "-d", "float", "-o", part], check=True, capture_output=True)
+        subprocess.run(["oiiotool", path, "--ch", "R,G,B", "--maxc", "0", "-d", "float", "--compression", "zip", "-o", part],
+                       check=True, capture_output=True)
     except (OSError, subprocess.CalledProcessError) as error:
         raise Failure(f"{path}: cannot be clamped at zero: {error}; install Debian's openimageio-tools") from error
     os.replace(part, out)
