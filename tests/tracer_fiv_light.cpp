@@ -111,6 +111,24 @@ TEST_F(TwoBalls, SideBySideHideBoth) {
     EXPECT_NEAR(hidden({left, right}, overlap), sum, 1e-4F * sum);
 }
 
+// Far balls of many distances, most of them left out: what they hide, all together, stays below the promise.
+TEST_F(TwoBalls, LeaveOutNoMoreThanIsNegligible) {
+  const float most = most_hidden(table());
+  // Outside a disc of pi sin^2 is hidden; all directions, inside, would be pi for both halves of the sphere.
+  EXPECT_GT(most, pi);
+  EXPECT_LE(most, 2 * pi);
+  std::vector<FivPlacement> all;
+  for (int i = 0; i < 100; ++i) {
+    const float r = 20 * std::pow(1.06F, float(i));
+    all.push_back({&table(), V3f(r * std::cos(float(i)), 0.7F * r, r * std::sin(float(i))), 1});
+  }
+  std::vector<FivPlacement> some = all;
+  for (FivPlacement& placement : some) placement.most_hidden = most;
+  const float lost = hidden(all, FivOverlap::none) - hidden(some, FivOverlap::none);
+  EXPECT_GT(lost, 0.0F);
+  EXPECT_LE(lost, fiv_negligible * pi + 2e-6F);
+}
+
 TEST_F(TwoBalls, NeverLeaveLessThanNothing) {
   std::vector<FivPlacement> many;
   for (int i = 0; i < 40; ++i)
