@@ -1,10 +1,11 @@
 // Everything of ivory's OpenGL runtime. docs/runtime.md shows it in use.
 //
-// An asset is loaded from its file or uploaded from memory into a Gpu... struct that owns its OpenGL objects. From there
-// it goes one of three ways:
+// An asset is loaded from its file or uploaded from memory into a Gpu... struct that owns its OpenGL objects. From
+// there it goes one of three ways:
 //
 //   the renderer    ambient(asset) makes an AmbientSource of it, which a DrawItem names; Renderer::draw() does the rest
-//   your renderer   put #include "ambient_<asset>.glsl" into your fragment shader, resolve it with with_includes(), call
+//   your renderer   put #include "ambient_<asset>.glsl" into your fragment shader, resolve it with with_includes(),
+//   call
 //                   ivory_ambient(p, ng, n) for E in lux, and bind(asset, program, unit) before drawing
 //   your engine     take the .glsl functions alone (shader_source(), or the installed folder of them) and fill textures
 //                   and structs as the files' opening comments say
@@ -12,13 +13,13 @@
 // All functions need a current OpenGL 3.3 core context and throw ivory::Error: "<file>: <cause>; <remedy>".
 #pragma once
 
-#include "runtime/ambient.h"            // IWYU pragma: export
-#include "runtime/difmap.h"             // IWYU pragma: export
-#include "runtime/fiv.h"                // IWYU pragma: export
-#include "runtime/gl.h"                 // IWYU pragma: export
-#include "runtime/irradiance_grid.h"    // IWYU pragma: export
-#include "runtime/lobes.h"              // IWYU pragma: export
-#include "runtime/localized_cube.h"     // IWYU pragma: export
-#include "runtime/renderer.h"           // IWYU pragma: export
-#include "runtime/sh9.h"                // IWYU pragma: export
-#include "runtime/shader_source.h"      // IWYU pragma: export
+#include "runtime/ambient.h"          // IWYU pragma: export
+#include "runtime/difmap.h"           // IWYU pragma: export
+#include "runtime/fiv.h"              // IWYU pragma: export
+#include "runtime/gl.h"               // IWYU pragma: export
+#include "runtime/irradiance_grid.h"  // IWYU pragma: export
+#include "runtime/lobes.h"            // IWYU pragma: export
+#include "runtime/localized_cube.h"   // IWYU pragma: export
+#include "runtime/renderer.h"         // IWYU pragma: export
+#include "runtime/sh9.h"              // IWYU pragma: export
+#include "runtime/shader_source.h"    // IWYU pragma: export

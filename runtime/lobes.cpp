@@ -87,7 +87,7 @@ std::string lobe_defines(const LobeLightParams& params) {
                      params.max_split_level);
 }
 
-AmbientSource lobes_ambient(const GpuLobes& lobes, bool glossy, const LobeLightParams& params) {
+AmbientSource ambient(const GpuLobes& lobes, bool glossy, const LobeLightParams& params) {
   return {lobe_defines(params) + (glossy ? "#define IVORY_LOBES_GLOSSY\n" : "") + "#include \"ambient_lobes.glsl\"\n",
           [&lobes, params](gl::Program& program, int first_unit) { return bind(lobes, program, first_unit, params); }};
 }

@@ -53,6 +53,6 @@ std::string lobe_defines(const LobeLightParams& params);
 // For ivory::Renderer: Lambert surfaces, by E; or `glossy`, the material's diffuse and specular reflectance as Lambert
 // and Phong lobes, as ivory render --method lobes does. `lobes` must outlive it. Throws UsageError for params out of
 // range.
-AmbientSource lobes_ambient(const GpuLobes& lobes, bool glossy, const LobeLightParams& params = {});
+AmbientSource ambient(const GpuLobes& lobes, bool glossy, const LobeLightParams& params = {});
 
 }  // namespace ivory

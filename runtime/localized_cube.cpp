@@ -42,7 +42,7 @@ int bind(const GpuLocalizedCube& cube, gl::Program& program, int first_unit) {
   return first_unit + 1;
 }
 
-AmbientSource cubemap_ambient(const GpuLocalizedCube& cube, CubeMethod method) {
+AmbientSource ambient(const GpuLocalizedCube& cube, CubeMethod method) {
   std::string shader;
   if (method != CubeMethod::polygon)
     shader = "#define IVORY_CUBEMAP_METHOD ivory_cube_" + std::string(name(method)) + "\n";

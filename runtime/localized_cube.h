@@ -30,6 +30,6 @@ GpuLocalizedCube load_localized_cube(const std::string& path);
 int bind(const GpuLocalizedCube& cube, gl::Program& program, int first_unit);
 
 // For ivory::Renderer; `cube` must outlive it.
-AmbientSource cubemap_ambient(const GpuLocalizedCube& cube, CubeMethod method = CubeMethod::polygon);
+AmbientSource ambient(const GpuLocalizedCube& cube, CubeMethod method = CubeMethod::polygon);
 
 }  // namespace ivory

@@ -42,4 +42,8 @@ struct SurfaceMaterial {
   MaterialTexture emission_texture;  // sRGB
 };
 
+// Sets the material's uniforms of shaders/surface.glsl, makes the program current, binds textures to `first_unit` and
+// the three behind it, and returns the unit after those.
+int bind(const SurfaceMaterial& material, gl::Program& program, int first_unit);
+
 }  // namespace ivory

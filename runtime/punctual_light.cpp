@@ -96,6 +96,22 @@ void LightSet::make_objects(int size, int layers) {
   IVORY_GL(glTexParameteri, GL_TEXTURE_2D_ARRAY, GL_TEXTURE_COMPARE_FUNC, GLint(GL_LEQUAL));
 }
 
+void LightSet::draw_depth(const ShadowCaster& caster, const M44f& clip_from_world) {
+  if (caster.material != nullptr && caster.material->coverage != Coverage::opaque) {
+    if (!masked_program_) {
+      masked_program_ = gl::make_program("masked shadow maps", "#include \"surface_vertex.glsl\"\n",
+                                         "#include \"depth_fragment.glsl\"\n");
+    }
+    masked_program_.set("ivory_clip_from_world", clip_from_world);
+    masked_program_.set("ivory_world_from_object", caster.to_world);
+    ivory::bind(*caster.material, masked_program_, 0);
+  } else {
+    depth_program_.set("clip_from_object", caster.to_world * clip_from_world);
+  }
+  IVORY_GL(glBindVertexArray, caster.mesh->vertex_array.id());
+  IVORY_GL(glDrawElements, GL_TRIANGLES, caster.mesh->index_count, GL_UNSIGNED_INT, nullptr);
+}
+
 void LightSet::update(std::span<const RuntimeLight> lights, std::span<const ShadowCaster> casters,
                       const ShadowParams& params) {
   gl::require_context();
@@ -170,11 +186,7 @@ void LightSet::update(std::span<const RuntimeLight> lights, std::span<const Shad
     IVORY_GL(glFramebufferTextureLayer, GL_DRAW_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, depth_.object.id(), 0, GLint(layer));
     IVORY_GL(glDrawBuffer, GLenum(GL_NONE));
     IVORY_GL(glClear, GL_DEPTH_BUFFER_BIT);
-    for (const ShadowCaster& caster : casters) {
-      depth_program_.set("clip_from_object", caster.to_world * block.clip_from_world[layer]);
-      IVORY_GL(glBindVertexArray, caster.mesh->vertex_array.id());
-      IVORY_GL(glDrawElements, GL_TRIANGLES, caster.mesh->index_count, GL_UNSIGNED_INT, nullptr);
-    }
+    for (const ShadowCaster& caster : casters) draw_depth(caster, block.clip_from_world[layer]);
   }
   IVORY_GL(glDisable, GL_POLYGON_OFFSET_FILL);
   IVORY_GL(glBindVertexArray, 0);

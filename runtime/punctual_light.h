@@ -6,6 +6,7 @@
 
 #include "grid/types.h"
 #include "runtime/gl.h"
+#include "runtime/material.h"
 #include "runtime/mesh.h"
 
 namespace ivory {
@@ -27,6 +28,8 @@ inline constexpr std::size_t max_shadow_layers = 64;  // a point light takes six
 struct ShadowCaster {
   const GpuMesh* mesh = nullptr;
   M44f to_world;
+  // Of a masked or blended surface, which casts a shadow where it covers at least half; null or opaque: everywhere.
+  const SurfaceMaterial* material = nullptr;
 };
 
 struct ShadowParams {
@@ -51,7 +54,10 @@ class LightSet {
  private:
   void make_objects(int size, int layers);
 
+  void draw_depth(const ShadowCaster& caster, const M44f& clip_from_world);
+
   gl::Program depth_program_;
+  gl::Program masked_program_;
   gl::Texture depth_;
   gl::Framebuffer framebuffer_;
   gl::Buffer uniforms_;

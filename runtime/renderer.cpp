@@ -68,35 +68,6 @@ M33f normal_matrix(const M33f& m) {
           sign * zx.z, sign * xy.x, sign * xy.y, sign * xy.z};
 }
 
-void set_material(gl::Program& program, const SurfaceMaterial& m, const GpuMesh& mesh, float handedness, int unit) {
-  program.set("ivory_base_color", V4f(m.base_color.x, m.base_color.y, m.base_color.z, m.alpha));
-  program.set("ivory_surface", V4f(m.metallic, m.roughness, m.dielectric_f90, m.specular_glossiness ? 1.0F : 0.0F));
-  program.set("ivory_dielectric_f0", m.dielectric_f0);
-  const float cutoff = m.coverage == Coverage::opaque ? -1.0F : m.coverage == Coverage::blend ? -2.0F : m.alpha_cutoff;
-  program.set("ivory_emission", V4f(m.emission.x, m.emission.y, m.emission.z, cutoff));
-  const bool mapped = m.normal_texture.texture != nullptr && mesh.has_tangents;
-  program.set("ivory_shading", V4f(m.normal_scale, mesh.has_normals ? 1.0F : 0.0F, mapped ? 1.0F : 0.0F, handedness));
-  program.set("ivory_double_sided", int(m.double_sided));
-
-  const std::array<const MaterialTexture*, 4> uses{&m.base_color_texture, &m.surface_texture, &m.normal_texture,
-                                                   &m.emission_texture};
-  std::array<int, 4> has{};
-  std::array<V4f, 8> rows{};
-  for (std::size_t i = 0; i < uses.size(); ++i) {
-    const MaterialTexture& use = *uses[i];
-    // Samplers of one array share units only where nothing reads them.
-    program.set(fmt::format("ivory_textures[{}]", i), unit + int(i));
-    if (use.texture == nullptr) continue;
-    has[i] = 1;
-    const std::array<float, 6>& t = use.uv_transform;
-    rows[2 * i] = V4f(t[0], t[1], t[2], float(use.uv_set));
-    rows[2 * i + 1] = V4f(t[3], t[4], t[5], 0);
-    gl::bind(*use.texture, unit + int(i));
-  }
-  program.set("ivory_uv_rows", rows.data(), int(rows.size()));
-  program.set_ivec4("ivory_has_texture", has);
-}
-
 void set_camera(gl::Program& program, const RuntimeCamera& camera) {
   program.set("ivory_clip_from_world", camera.clip_from_world);
   const V3f eye = camera.perspective ? camera.position_m : -camera.forward;
@@ -110,9 +81,13 @@ void draw_item(gl::Program& program, const DrawItem& item, int first_unit) {
   program.set("ivory_world_from_object", item.to_world);
   program.set("ivory_world_normal_from_object", normal_matrix(linear));
   program.set("ivory_world_tangent_from_object", linear);
-  set_material(program, *item.material, *item.mesh, handedness, first_unit);
+  const SurfaceMaterial& material = *item.material;
+  const bool mapped = material.normal_texture.texture != nullptr && item.mesh->has_tangents;
+  program.set("ivory_shading",
+              V4f(material.normal_scale, item.mesh->has_normals ? 1.0F : 0.0F, mapped ? 1.0F : 0.0F, handedness));
+  bind(material, program, first_unit);
   // Back faces of single-sided materials are not seen; a mirror turns triangles around.
-  if (item.material->double_sided)
+  if (material.double_sided)
     IVORY_GL(glDisable, GL_CULL_FACE);
   else
     IVORY_GL(glEnable, GL_CULL_FACE);

@@ -1,6 +1,6 @@
-// What ivory::Renderer lays down before it shades: the depth of what is there altogether.
+// Depth alone, of ivory::Renderer before it shades and of shadow maps: of what covers at least half.
 #include "surface.glsl"
 
 void main() {
-  if (ivory_coverage(ivory_base().a) <= 0.0) discard;
+  if (ivory_coverage(ivory_base().a) < 0.5) discard;
 }

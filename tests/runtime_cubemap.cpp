@@ -118,7 +118,7 @@ void compare(CubeMethod method, int size, int kind) {
   const LocalizedCube cube = random_cube(size, kind, std::uint32_t(17 * size + kind));
   const GpuLocalizedCube gpu = upload(cube);
   const Receivers r = make_receivers(cube, std::uint32_t(size));
-  const auto out = evaluate_on_gpu(cubemap_ambient(gpu, method).shader +
+  const auto out = evaluate_on_gpu(ambient(gpu, method).shader +
                                        "vec4 evaluate(int i) { vec3 n = input1(i).xyz;"
                                        "return vec4(ivory_ambient(input0(i).xyz, n, n), 0.0); }",
                                    {r.p, r.n}, [&](gl::Program& program) { bind(gpu, program, 0); });
@@ -172,7 +172,7 @@ TEST_F(RuntimeCubemap, ConstantRadianceGivesPi) {
   const GpuLocalizedCube gpu = upload(cube);
   const Receivers r = make_receivers(cube, 4);
   const auto out = evaluate_on_gpu(
-      cubemap_ambient(gpu).shader +
+      ambient(gpu).shader +
           "vec4 evaluate(int i) { return vec4(ivory_ambient(input0(i).xyz, vec3(0.0), input1(i).xyz), 0.0); }",
       {r.p, r.n}, [&](gl::Program& program) { bind(gpu, program, 0); });
   for (const V4f& e : out) {

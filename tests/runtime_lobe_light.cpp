@@ -266,7 +266,7 @@ void compare(bool glossy, const LobeLightParams& params) {
   const SphereGroups nothing;
   const Rgb albedo(0.5F, 0.3F, 0.1F);
   const Rgb f0(0.2F, 0.5F, 0.04F);
-  const AmbientSource source = lobes_ambient(gpu, glossy, params);
+  const AmbientSource source = ambient(gpu, glossy, params);
   const auto out = evaluate_on_gpu(
       source.shader + (glossy ? "vec4 evaluate(int i) { return vec4(ivory_lobe_radiance(input0(i).xyz, input1(i).xyz,"
                                 "input2(i).xyz, vec3(0.5, 0.3, 0.1), vec3(0.2, 0.5, 0.04), input3(i).x), 0.0); }"

@@ -192,6 +192,44 @@ TEST_F(RuntimeRenderer, ShadowsFallWhereTheyShould) {
   }
 }
 
+// A mask whose texture is opaque in one half of x alone shades that half; a blended surface where it is half opaque.
+TEST_F(RuntimeRenderer, MasksCastTheShadowOfWhatTheyCover) {
+  const Target target(16, 16);
+  const GpuMesh floor = square(2);
+  const GpuMesh leaf = square(0.5F);
+  std::vector<std::uint8_t> texels(8, 255);
+  texels[3] = 0;  // the texel of low u, which lies at low x
+  const gl::Texture texture =
+      gl::make_texture_2d("t", gl::Format::srgb8_alpha8, 2, 1, texels.data(), gl::Filter::nearest);
+  const SurfaceMaterial white = lambert(Rgb(1, 1, 1));
+  SurfaceMaterial mask = white;
+  mask.base_color_texture.texture = &texture;
+  mask.coverage = Coverage::mask;
+  const DrawItem item{&floor, &white, M44f(), nullptr};
+  std::vector<ShadowCaster> casters{{&floor, M44f(), &white}, {&leaf, translation({0, 0.5F, 0}), &mask}};
+  RuntimeLight light;
+  light.kind = LightKind::directional;
+  light.direction = V3f(0, -1, 0);
+  LightSet set;
+  Renderer renderer;
+  Frame frame;
+  frame.camera = from_above();
+  frame.items = {&item, 1};
+  frame.lights = &set;
+  // Under the leaf's clear and its opaque half, and beside it.
+  const auto lit = [&](float alpha, Coverage coverage) {
+    mask.alpha = alpha;
+    mask.coverage = coverage;
+    set.update({&light, 1}, casters);
+    renderer.draw(frame);
+    return std::array<bool, 3>{target.pixel(6, 8).x > 0, target.pixel(9, 8).x > 0, target.pixel(14, 8).x > 0};
+  };
+  EXPECT_EQ(lit(1, Coverage::mask), (std::array<bool, 3>{true, false, true}));
+  EXPECT_EQ(lit(1, Coverage::blend), (std::array<bool, 3>{true, false, true}));
+  EXPECT_EQ(lit(0.3F, Coverage::blend), (std::array<bool, 3>{true, true, true}));
+  EXPECT_EQ(lit(1, Coverage::opaque), (std::array<bool, 3>{false, false, true}));
+}
+
 TEST_F(RuntimeRenderer, BlendsMasksAndCulls) {
   const Target target(8, 8);
   const GpuMesh mesh = square(2);

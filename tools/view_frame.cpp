@@ -85,8 +85,7 @@ void ViewFrame::update_shadows(const ViewSession& session) {
   for (std::size_t i = 0; i < places.size(); ++i) {
     const GpuModel& model = session.models[i];
     for (const ModelPart& part : model.parts) {
-      if (model.materials[part.material].coverage == Coverage::blend) continue;  // cut-outs cast solid shadows
-      casters.push_back({&model.meshes[part.mesh], moved(part.to_world, places[i])});
+      casters.push_back({&model.meshes[part.mesh], moved(part.to_world, places[i]), &model.materials[part.material]});
     }
   }
   ShadowParams params;
