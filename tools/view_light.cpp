@@ -112,10 +112,10 @@ AmbientSource ambient_source(const ViewSession& session, std::size_t object) {
     case ViewMethod::grid:
       return grid_source(*light.asset, settings);
     case ViewMethod::cubemap:
-      return cubemap_ambient(*light.asset->cubemap, settings.cube_method);
+      return ambient(*light.asset->cubemap, settings.cube_method);
     case ViewMethod::lobes:
       // What debug views show as irradiance is that of a Lambert surface.
-      return lobes_ambient(*light.asset->lobes, surface_debug_shader(settings.debug).empty(), settings.lobes);
+      return ambient(*light.asset->lobes, surface_debug_shader(settings.debug).empty(), settings.lobes);
     case ViewMethod::sh9:
       return ambient(*light.asset->sh9);
     case ViewMethod::difmap:
