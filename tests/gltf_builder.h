@@ -1,12 +1,14 @@
 // Small glTF documents written by tests.
 #pragma once
 
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string>
 #include <vector>
 
+#include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include "grid/types.h"
@@ -55,9 +57,14 @@ struct GltfBuilder {
   int add_triangle_mesh() { return add_mesh({{"attributes", {{"POSITION", add({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}})}}}}); }
   void use_extension(const char* name) { root["extensionsUsed"].push_back(name); }
 
+  // One for each test, as tests may run side by side.
   static std::string folder() {
-    std::filesystem::create_directories(IVORY_TEST_DATA_DIR);
-    return IVORY_TEST_DATA_DIR;
+    const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info();
+    std::string name = std::string(test->test_suite_name()) + "_" + test->name();
+    std::replace(name.begin(), name.end(), '/', '_');
+    const std::string path = std::string(IVORY_TEST_DATA_DIR) + "/" + name;
+    std::filesystem::create_directories(path);
+    return path;
   }
   static void write_file(const std::string& path, const std::string& content) {
     // Truncating an existing file makes some file systems wait for the disk at each close.
