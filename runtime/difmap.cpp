@@ -17,7 +17,7 @@ GpuDifMap upload(const std::string& what, const CubeMap& e, const DifMapUploadPa
   if (params.half_floats) {
     float largest = 0;
     for (const Rgb& texel : e.texels) largest = std::max(largest, max_component(texel));
-    out.scale = half_scale(largest);
+    out.scale = gl::half_scale(largest);
   }
   // See grid/cube_map.h: OpenGL shows the faces from outside.
   std::vector<Rgb> texels;
@@ -56,11 +56,6 @@ int bind(const GpuDifMap& map, gl::Program& program, int first_unit) {
 AmbientSource ambient(const GpuDifMap& map) {
   return {"#include \"ambient_difmap.glsl\"\n",
           [&map](gl::Program& program, int first_unit) { return bind(map, program, first_unit); }};
-}
-
-float half_scale(float largest) {
-  if (!(largest > 0)) return 1;
-  return std::ldexp(1.0F, std::clamp(std::ilogb(largest) - 14, -100, 100));
 }
 
 }  // namespace ivory

@@ -11,7 +11,7 @@
 namespace ivory {
 
 struct DifMapUploadParams {
-  // RGB16F instead of RGB32F: half the memory, E to 2^-11. The scale keeps eleven bits down to 2^-29 of the largest E.
+  // RGB16F instead of RGB32F: half the memory, E to 2^-11. The scale keeps eleven bits down to 2^-28 of the largest E.
   bool half_floats = false;
 };
 
@@ -33,9 +33,5 @@ int bind(const GpuDifMap& map, gl::Program& program, int first_unit);
 
 // For the renderer; `map` must outlive it.
 AmbientSource ambient(const GpuDifMap& map);
-
-// The power of two by which `largest`, the greatest magnitude of what is to be kept in half floats, is divided so that
-// it lies within [2^14, 2^15): no overflow, and eleven bits for all down to 2^-28 of it. 1 for 0.
-float half_scale(float largest);
 
 }  // namespace ivory

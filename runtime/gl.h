@@ -2,7 +2,8 @@
 //
 // Everything of the runtime needs a current OpenGL context, 3.3 core or later, of the caller's making: it opens
 // none. Objects must die while the context that made them, or one that shares with it, is current.
-// Functions leave bound what they bound last: units' textures, the program, GL_PIXEL_UNPACK_BUFFER 0.
+// Functions leave bound what they bound last: units' textures without sampler objects, the program,
+// GL_PIXEL_UNPACK_BUFFER 0 and rows unpacked without gaps (alignment 1, nothing skipped).
 #pragma once
 
 #include <array>
@@ -52,7 +53,8 @@ template <Kind kind>
 Object<kind> make();
 
 // Throws Error where there is no current context, or one older than 3.3; then forgets errors that other code left, so
-// that none is laid at ivory's door. Every public function of the runtime that makes objects calls it first.
+// that none is laid at ivory's door. upload(), load_*(), make_program() and drawing call it first; the parts they are
+// made of (make(), make_texture_*()) do not.
 void require_context();
 
 // Throws Error naming `call` where OpenGL has recorded an error since the last check.
@@ -78,7 +80,7 @@ struct Texture {
 // formats, floats for all of *f and depth24, rounded to nearest half where stored so, uint32 for *ui. `what`
 // names the asset in the Error thrown where the context's limits or its memory do not hold it.
 Texture make_texture_2d(const std::string& what, Format format, int width, int height, const void* texels,
-                        Filter filter, Wrap wrap = Wrap::clamp);
+                        Filter filter, Wrap wrap_s = Wrap::clamp, Wrap wrap_t = Wrap::clamp);
 Texture make_texture_3d(const std::string& what, Format format, const V3i& size, const void* texels, Filter filter);
 // `layers` pictures without contents, not blended into each other.
 Texture make_texture_array(const std::string& what, Format format, int width, int height, int layers, Filter filter);
@@ -88,7 +90,11 @@ Texture make_texture_cube(const std::string& what, Format format, int size, cons
 // Rounded to half as OpenGL does it, to nearest even; beyond 65504 infinity. For tests and for error bounds.
 float rounded_to_half(float x);
 
-// Binds to GL_TEXTURE0 + unit.
+// The power of two by which `largest`, the greatest magnitude of what is to be kept in half floats, is divided so that
+// it lies within [2^14, 2^15): no overflow, and eleven bits for all down to 2^-28 of it. 1 for 0.
+float half_scale(float largest);
+
+// Binds to GL_TEXTURE0 + unit, without a sampler object.
 void bind(const Texture& texture, int unit);
 
 // A linked program. Uniforms that the compiler found unused are skipped silently, as they have no location.

@@ -22,9 +22,9 @@ class Shader {
   GLuint id_;
 };
 
-// A log is many lines; the first tells what is wrong first.
+// A log is many lines and ends in a zero; the first line tells what is wrong first.
 std::string first_line(const std::string& log) {
-  const std::string line = log.substr(0, log.find('\n'));
+  const std::string line = log.substr(0, log.find_first_of(std::string("\n\0", 2)));
   return line.empty() ? "without a message" : line;
 }
 
@@ -46,6 +46,7 @@ void compile(const std::string& what, const Shader& shader, std::string_view sou
 }  // namespace
 
 Program make_program(const std::string& what, std::string_view vertex, std::string_view fragment) {
+  require_context();
   const Shader vertex_shader(GL_VERTEX_SHADER);
   const Shader fragment_shader(GL_FRAGMENT_SHADER);
   compile(what + " (vertex)", vertex_shader, vertex);

@@ -105,17 +105,23 @@ Texture begin(Format format, GLenum target, const V3i& size) {
   IVORY_GL(glPixelStorei, GL_UNPACK_ALIGNMENT, 1);
   IVORY_GL(glPixelStorei, GL_UNPACK_ROW_LENGTH, 0);
   IVORY_GL(glPixelStorei, GL_UNPACK_IMAGE_HEIGHT, 0);
+  for (const GLenum skipped : {GL_UNPACK_SKIP_PIXELS, GL_UNPACK_SKIP_ROWS, GL_UNPACK_SKIP_IMAGES, GL_UNPACK_SWAP_BYTES})
+    IVORY_GL(glPixelStorei, skipped, 0);
   return texture;
 }
 
-void set_sampling(const Texture& texture, Filter filter, Wrap wrap) {
+GLint edge_mode(Wrap wrap) {
+  return wrap == Wrap::clamp ? GL_CLAMP_TO_EDGE : wrap == Wrap::repeat ? GL_REPEAT : GL_MIRRORED_REPEAT;
+}
+
+void set_sampling(const Texture& texture, Filter filter, Wrap wrap_s = Wrap::clamp, Wrap wrap_t = Wrap::clamp) {
   const GLint magnify = filter == Filter::nearest ? GL_NEAREST : GL_LINEAR;
   const GLint minify = filter == Filter::linear_mipmap ? GL_LINEAR_MIPMAP_LINEAR : magnify;
-  const GLint edge = wrap == Wrap::clamp ? GL_CLAMP_TO_EDGE : wrap == Wrap::repeat ? GL_REPEAT : GL_MIRRORED_REPEAT;
   IVORY_GL(glTexParameteri, texture.target, GL_TEXTURE_MAG_FILTER, magnify);
   IVORY_GL(glTexParameteri, texture.target, GL_TEXTURE_MIN_FILTER, minify);
-  for (const GLenum axis : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_R})
-    IVORY_GL(glTexParameteri, texture.target, axis, edge);
+  IVORY_GL(glTexParameteri, texture.target, GL_TEXTURE_WRAP_S, edge_mode(wrap_s));
+  IVORY_GL(glTexParameteri, texture.target, GL_TEXTURE_WRAP_T, edge_mode(wrap_t));
+  IVORY_GL(glTexParameteri, texture.target, GL_TEXTURE_WRAP_R, GL_CLAMP_TO_EDGE);
   if (filter == Filter::linear_mipmap)
     IVORY_GL(glGenerateMipmap, texture.target);
   else
@@ -132,14 +138,14 @@ std::size_t Texture::bytes() const {
 }
 
 Texture make_texture_2d(const std::string& what, Format format, int width, int height, const void* texels,
-                        Filter filter, Wrap wrap) {
+                        Filter filter, Wrap wrap_s, Wrap wrap_t) {
   require_size(what, GL_MAX_TEXTURE_SIZE, std::max(width, height));
   Texture texture = begin(format, GL_TEXTURE_2D, {width, height, 1});
   const Layout l = layout(format);
   const Texels t = texels_for(format, texels, std::size_t(width) * std::size_t(height));
   glTexImage2D(texture.target, 0, GLint(l.internal_format), width, height, 0, l.format, t.type, t.data);
   check_memory(what, "glTexImage2D", texture.bytes());
-  set_sampling(texture, filter, wrap);
+  set_sampling(texture, filter, wrap_s, wrap_t);
   return texture;
 }
 
@@ -150,7 +156,7 @@ Texture make_texture_3d(const std::string& what, Format format, const V3i& size,
   const Texels t = texels_for(format, texels, std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z));
   glTexImage3D(texture.target, 0, GLint(l.internal_format), size.x, size.y, size.z, 0, l.format, t.type, t.data);
   check_memory(what, "glTexImage3D", texture.bytes());
-  set_sampling(texture, filter, Wrap::clamp);
+  set_sampling(texture, filter);
   return texture;
 }
 
@@ -161,7 +167,7 @@ Texture make_texture_array(const std::string& what, Format format, int width, in
   const Layout l = layout(format);
   glTexImage3D(texture.target, 0, GLint(l.internal_format), width, height, layers, 0, l.format, l.type, nullptr);
   check_memory(what, "glTexImage3D", texture.bytes());
-  set_sampling(texture, filter, Wrap::clamp);
+  set_sampling(texture, filter);
   return texture;
 }
 
@@ -179,8 +185,13 @@ Texture make_texture_cube(const std::string& what, Format format, int size, cons
                  from == nullptr ? nullptr : from + i * face_bytes);
     check_memory(what, "glTexImage2D", texture.bytes());
   }
-  set_sampling(texture, filter, Wrap::clamp);
+  set_sampling(texture, filter);
   return texture;
+}
+
+float half_scale(float largest) {
+  if (!(largest > 0)) return 1;
+  return std::ldexp(1.0F, std::clamp(std::ilogb(largest) - 14, -100, 100));
 }
 
 float rounded_to_half(float x) { return half(x); }
@@ -188,6 +199,8 @@ float rounded_to_half(float x) { return half(x); }
 void bind(const Texture& texture, int unit) {
   IVORY_GL(glActiveTexture, GLenum(GL_TEXTURE0 + unit));
   IVORY_GL(glBindTexture, texture.target, texture.object.id());
+  // A sampler object of the host's would override the texture's own filter.
+  IVORY_GL(glBindSampler, GLuint(unit), 0);
 }
 
 }  // namespace ivory::gl

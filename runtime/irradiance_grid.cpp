@@ -18,14 +18,6 @@ namespace ivory {
 
 namespace {
 
-// The least power of two that brings `largest` to 32768 or below, so that all sums of two still fit half (65504).
-float stored_unit(float largest) {
-  if (!(largest > 0)) return 1;
-  int exponent = 0;
-  std::frexp(largest, &exponent);  // largest <= 2^exponent
-  return std::ldexp(1.0F, exponent - 15);
-}
-
 std::int64_t longest_side(const V3i& vertices, const V3i& tiles) {
   return std::max(
       {std::int64_t(vertices.x) * tiles.x, std::int64_t(vertices.y) * tiles.y, std::int64_t(vertices.z) * tiles.z});
@@ -62,7 +54,7 @@ GpuGrid upload_named(const std::string& what, const IrradianceGrid& grid, const 
   // No length of a vector in the compact form exceeds sqrt(3) times its largest component.
   float largest = 0;
   for (const float m : grid.moments) largest = std::max(largest, std::abs(m));
-  out.scale = stored_unit(params.form == GridForm::moments ? largest : 2 * largest);
+  out.scale = gl::half_scale(params.form == GridForm::moments ? largest : 2 * largest);
 
   const V3i extent = size * out.tiles;
   const std::size_t row = std::size_t(extent.x);

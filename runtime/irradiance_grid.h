@@ -5,7 +5,7 @@
 // outermost vertices' centres, where linear filtering reads no texel of the neighbouring volume. Vertices' values are
 // stored times their trust, min(1, visible fraction / 0.25): what the hardware's filter returns, divided by the
 // filtered trust, is then the same weighted mean that the C++ code forms. Values are divided by a power of two, so that
-// the brightest lies near half's largest number and values 2^29 below it keep half's full precision.
+// the brightest lies near half's largest number and values 2^28 below it keep half's full precision.
 //
 // Two forms of the six irradiance vectors take the same memory, 72 bytes a vertex (288 KiB for 16^3):
 //   moments               F, D_x, D_y, D_z: the twelve independent functions. Loses half's rounding only (1e-4 to 2e-4

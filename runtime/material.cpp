@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "runtime/gl_check.h"
+
 namespace ivory {
 
 int bind(const SurfaceMaterial& m, gl::Program& program, int first_unit) {
@@ -18,9 +20,14 @@ int bind(const SurfaceMaterial& m, gl::Program& program, int first_unit) {
   std::array<V4f, 8> rows{};
   for (std::size_t i = 0; i < uses.size(); ++i) {
     const MaterialTexture& use = *uses[i];
-    // One that is absent keeps its unit: samplers of different kinds must not share one, read or not.
+    // One that is absent keeps its unit, and keeps it empty: samplers of different kinds must not share a unit, and
+    // none may hold what is being drawn into, read or not.
     program.set(fmt::format("ivory_textures[{}]", i), first_unit + int(i));
-    if (use.texture == nullptr) continue;
+    if (use.texture == nullptr) {
+      IVORY_GL(glActiveTexture, GLenum(GL_TEXTURE0 + first_unit + int(i)));
+      IVORY_GL(glBindTexture, GL_TEXTURE_2D, 0);
+      continue;
+    }
     has[i] = 1;
     const std::array<float, 6>& t = use.uv_transform;
     rows[2 * i] = V4f(t[0], t[1], t[2], float(use.uv_set));

@@ -79,6 +79,30 @@ uniform mat4 clip_from_object;
 void main() { gl_Position = clip_from_object * vec4(position, 1.0); }
 )";
 
+// Put back at the end of the scope, whatever ends it.
+class FramebufferAndViewport {
+ public:
+  FramebufferAndViewport() {
+    glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &draw_);
+    glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read_);
+    glGetIntegerv(GL_VIEWPORT, viewport_.data());
+    gl::check("glGetIntegerv");
+  }
+  FramebufferAndViewport(const FramebufferAndViewport&) = delete;
+  FramebufferAndViewport& operator=(const FramebufferAndViewport&) = delete;
+  ~FramebufferAndViewport() {
+    glDisable(GL_POLYGON_OFFSET_FILL);
+    glBindFramebuffer(GL_DRAW_FRAMEBUFFER, GLuint(draw_));
+    glBindFramebuffer(GL_READ_FRAMEBUFFER, GLuint(read_));
+    glViewport(viewport_[0], viewport_[1], viewport_[2], viewport_[3]);
+  }
+
+ private:
+  GLint draw_ = 0;
+  GLint read_ = 0;
+  std::array<GLint, 4> viewport_{};
+};
+
 int layers_of(const RuntimeLight& light) {
   if (!light.casts_shadow) return 0;
   return light.kind == LightKind::point ? 6 : 1;
@@ -88,8 +112,14 @@ int layers_of(const RuntimeLight& light) {
 
 void LightSet::make_objects(int size, int layers) {
   if (!uniforms_) uniforms_ = gl::make<gl::Kind::buffer>();
+  if (!framebuffer_) {
+    framebuffer_ = gl::make<gl::Kind::framebuffer>();
+    IVORY_GL(glBindFramebuffer, GL_FRAMEBUFFER, framebuffer_.id());
+    // Depth alone: without these OpenGL 3.3 takes the framebuffer for incomplete.
+    IVORY_GL(glDrawBuffer, GLenum(GL_NONE));
+    IVORY_GL(glReadBuffer, GLenum(GL_NONE));
+  }
   if (!depth_program_) depth_program_ = gl::make_program("shadow maps", depth_vertex, "void main() {}");
-  if (!framebuffer_) framebuffer_ = gl::make<gl::Kind::framebuffer>();
   if (depth_.object && depth_.size == V3i(size, size, layers)) return;
   depth_ = gl::make_texture_array("shadow maps", gl::Format::depth24, size, size, layers, gl::Filter::linear);
   IVORY_GL(glTexParameteri, GL_TEXTURE_2D_ARRAY, GL_TEXTURE_COMPARE_MODE, GLint(GL_COMPARE_REF_TO_TEXTURE));
@@ -166,16 +196,16 @@ void LightSet::update(std::span<const RuntimeLight> lights, std::span<const Shad
     layers += wanted;
   }
 
-  make_objects(params.size, std::max(1, int(layers)));
+  const FramebufferAndViewport as_found;
+  // Without shadows one texel stands in.
+  make_objects(layers > 0 ? params.size : 1, std::max(1, int(layers)));
   IVORY_GL(glBindBuffer, GL_UNIFORM_BUFFER, uniforms_.id());
   IVORY_GL(glBufferData, GL_UNIFORM_BUFFER, GLsizeiptr(sizeof(block)), &block, GL_DYNAMIC_DRAW);
 
-  GLint bound = 0;
-  std::array<GLint, 4> viewport{};
-  IVORY_GL(glGetIntegerv, GL_DRAW_FRAMEBUFFER_BINDING, &bound);
-  IVORY_GL(glGetIntegerv, GL_VIEWPORT, viewport.data());
   IVORY_GL(glBindFramebuffer, GL_DRAW_FRAMEBUFFER, framebuffer_.id());
   IVORY_GL(glViewport, 0, 0, params.size, params.size);
+  IVORY_GL(glDisable, GL_SCISSOR_TEST);
+  IVORY_GL(glClearDepth, 1.0);
   IVORY_GL(glEnable, GL_DEPTH_TEST);
   IVORY_GL(glDepthFunc, GL_LESS);
   IVORY_GL(glDepthMask, GLboolean(GL_TRUE));
@@ -184,14 +214,10 @@ void LightSet::update(std::span<const RuntimeLight> lights, std::span<const Shad
   IVORY_GL(glPolygonOffset, 1.5F, 2.0F);
   for (std::size_t layer = 0; layer < layers; ++layer) {
     IVORY_GL(glFramebufferTextureLayer, GL_DRAW_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, depth_.object.id(), 0, GLint(layer));
-    IVORY_GL(glDrawBuffer, GLenum(GL_NONE));
     IVORY_GL(glClear, GL_DEPTH_BUFFER_BIT);
     for (const ShadowCaster& caster : casters) draw_depth(caster, block.clip_from_world[layer]);
   }
-  IVORY_GL(glDisable, GL_POLYGON_OFFSET_FILL);
   IVORY_GL(glBindVertexArray, 0);
-  IVORY_GL(glBindFramebuffer, GL_DRAW_FRAMEBUFFER, GLuint(bound));
-  IVORY_GL(glViewport, viewport[0], viewport[1], viewport[2], viewport[3]);
 }
 
 int LightSet::bind(gl::Program& program, int first_unit) {

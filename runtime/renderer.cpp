@@ -155,7 +155,7 @@ void Renderer::prepare(const Frame& frame) {
 }
 
 void Renderer::draw(const Frame& frame) {
-  gl::require_context();
+  prepare(frame);  // so that a source that does not compile changes nothing
   const AmbientSource none = no_ambient();
   LightSet& lights = frame.lights != nullptr ? *frame.lights : no_lights_;
   if (!lights.updated()) lights.update({}, {});
@@ -171,6 +171,10 @@ void Renderer::draw(const Frame& frame) {
     return depth_of(*a, frame.camera) > depth_of(*b, frame.camera);
   });
 
+  IVORY_GL(glDisable, GL_SCISSOR_TEST);
+  IVORY_GL(glCullFace, GLenum(GL_BACK));
+  IVORY_GL(glBlendEquation, GLenum(GL_FUNC_ADD));
+  IVORY_GL(glClearDepth, 1.0);
   IVORY_GL(glEnable, GL_DEPTH_TEST);
   IVORY_GL(glDepthMask, GLboolean(GL_TRUE));
   IVORY_GL(glColorMask, GLboolean(GL_TRUE), GLboolean(GL_TRUE), GLboolean(GL_TRUE), GLboolean(GL_TRUE));

@@ -48,9 +48,10 @@ struct Frame {
 // Keeps the programs that it has compiled, one for each kind of ambient light and output.
 class Renderer {
  public:
-  // Clears and draws into the bound framebuffer's current viewport, which needs a depth buffer: linear radiance in nits
-  // times the exposure, alpha 1 where anything is. Opaque surfaces are shaded once a pixel (depth first), blended
-  // ones from back to front. Leaves depth test, culling and blending off. Throws Error as IVORY_GL does.
+  // Clears the bound framebuffer, all of it, and draws into the current viewport; needs a depth buffer: linear radiance
+  // in nits times the exposure, alpha 1 where anything is. Opaque surfaces are shaded once a pixel (depth first),
+  // blended ones from back to front. Leaves depth and scissor test, culling and blending off; takes stencil test,
+  // polygon mode, depth range and clip distances to be as OpenGL begins with. Throws Error as IVORY_GL does.
   void draw(const Frame& frame);
 
   // Compiles what the frame needs, which draw() would do the first time.

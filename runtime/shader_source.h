@@ -15,6 +15,8 @@ std::string shader_source(std::string_view name);
 // numbers in the compiler's messages (as string 0).
 std::string with_includes(std::string_view text);
 
+// Neither sees #if: keep #include lines out of what may be left out.
+
 // All names, in alphabetical order.
 std::vector<std::string> shader_names();
 

@@ -11,6 +11,8 @@
 #elif !defined(IVORY_MAX_LOBES)
 #define IVORY_MAX_LOBES 1
 #endif
+// For both kinds: inclusion does not see #if.
+#include "bsdf.glsl"
 #include "lobe_light.glsl"
 
 uniform IvoryLobeLights ivory_lobes;
@@ -19,8 +21,6 @@ uniform samplerBuffer ivory_lobe_blocks;
 uniform sampler3D ivory_lobe_integrals;
 
 #ifdef IVORY_LOBES_GLOSSY
-#include "bsdf.glsl"
-
 uniform sampler3D ivory_lobe_products;
 
 // Towards wo; roughness_alpha is glTF's roughness squared.

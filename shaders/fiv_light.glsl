@@ -108,13 +108,15 @@ IvoryFivShadow ivory_fiv_select(IvoryFivShadow a, IvoryFivShadow b, bool second)
                         second ? b.coverage : a.coverage, second ? b.gathered : a.gathered);
 }
 
-#define IVORY_FIV_EXCHANGE(i)                                        \
-  {                                                                  \
-    IvoryFivShadow kept = shadows.strongest[i];                      \
-    bool stronger = shadow.luminance > kept.luminance;               \
-    shadows.strongest[i] = ivory_fiv_select(kept, shadow, stronger); \
-    shadow = ivory_fiv_select(shadow, kept, stronger);               \
-  }
+// Keeps the stronger and goes on with the other.
+void ivory_fiv_exchange(inout IvoryFivShadow kept, inout IvoryFivShadow shadow) {
+  IvoryFivShadow before = kept;
+  bool stronger = shadow.luminance > before.luminance;
+  kept = ivory_fiv_select(before, shadow, stronger);
+  shadow = ivory_fiv_select(shadow, before, stronger);
+}
+
+#define IVORY_FIV_EXCHANGE(i) ivory_fiv_exchange(shadows.strongest[i], shadow);
 #define IVORY_FIV_OPEN(i) open *= ivory_fiv_left_open(shadows.strongest[i], shadow);
 
 // Shadows that hide nothing change nothing.
@@ -138,9 +140,7 @@ void ivory_fiv_add(inout IvoryFivShadows shadows, IvoryFivShadow shadow, vec3 un
 #if IVORY_FIV_OVERLAP == 1
 #define IVORY_FIV_NEXT(k)
 #else
-#define IVORY_FIV_NEXT(k)                       \
-  hidden += shadows.strongest[k].hidden * open; \
-  open = 1.0;
+#define IVORY_FIV_NEXT(k) hidden += shadows.strongest[k].hidden * open; open = 1.0;
 #endif
 
 // Eq. 13 and 14: of what a pair hides, the share of its discs that they have in common was counted twice. Or what

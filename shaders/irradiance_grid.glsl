@@ -206,11 +206,12 @@ void ivory_grid_guarded(IvoryGrid g, sampler3D volumes, sampler3D trust, usample
   IvorySeen near_seen = ivory_visible_by_guard(g, trust, guard, index, near, near_count);
   bool enough = near_seen.kept >= ivory_grid_enough_weight;
   bool filtered = near_seen.all && enough;
-  float unused;
-  ivory_grid_filter(g, volumes, trust, index, m, unused);
+  // Divided by the trust that the same filter finds: hardware rounds its weights, to the same for both.
+  float filtered_kept;
+  ivory_grid_filter(g, volumes, trust, index, m, filtered_kept);
   bool empty = near_seen.kept < ivory_grid_least_weight;
   float near_factor = empty ? 0.0 : 1.0 / near_seen.kept;
-  for (int f = 0; f < 12; ++f) m[f] *= filtered ? near_factor : 0.0;
+  for (int f = 0; f < 12; ++f) m[f] *= filtered ? 1.0 / filtered_kept : 0.0;
   int rounds = filtered ? 0 : near_count;
 
   // Where little weight is kept, the vertices around help out.

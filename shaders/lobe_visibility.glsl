@@ -111,32 +111,23 @@ struct IvoryMaskLeaves {
 
 // One level: blocks of 2^S cells make those of 2^(S+1), and keep what these do not take. `dark`, `bright` and `outside` hold
 // at a block's first cell whether it is so throughout.
-#define IVORY_TAKE_LEAVES(S, row, taken)                                                      \
-  {                                                                                           \
-    uint own = (dark[row] | bright[row]) & ~outside[row] & ~(taken) & (S <= finest ? ~0u : 0u); \
-    leaves.anchor[row] |= own;                                                                \
-    leaves.lit[row] |= own & bright[row];                                                     \
-    if ((S & 1) != 0) leaves.above0[row] |= own;                                              \
-    if ((S & 2) != 0) leaves.above1[row] |= own;                                              \
-    if ((S & 4) != 0) leaves.above2[row] |= own;                                              \
-  }
-#define IVORY_MERGE_LEVEL(S, FIRST)                                                      \
-  for (int j = 0; j < IVORY_LEAF_SIZE; j += (2 << S)) {                                  \
-    int k = j + (1 << S);                                                                \
-    uint d = dark[j] & dark[k];                                                          \
-    uint b = bright[j] & bright[k];                                                      \
-    uint o = outside[j] & outside[k];                                                    \
-    d &= (d >> uint(1 << S)) & FIRST;                                                    \
-    b &= (b >> uint(1 << S)) & FIRST;                                                    \
-    o &= (o >> uint(1 << S)) & FIRST;                                                    \
-    uint taken = S + 1 <= finest ? d | b : 0u;                                           \
-    taken |= taken << uint(1 << S);                                                      \
-    IVORY_TAKE_LEAVES(S, j, taken)                                                       \
-    IVORY_TAKE_LEAVES(S, k, taken)                                                       \
-    dark[j] = d;                                                                         \
-    bright[j] = b;                                                                       \
-    outside[j] = o;                                                                      \
-  }
+#define IVORY_LEAVES_LEFT(S, row, taken) ((dark[row] | bright[row]) & ~outside[row] & ~(taken) & (S <= finest ? ~0u : 0u))
+#define IVORY_MARK_LEAVES(row, own) leaves.anchor[row] |= own; leaves.lit[row] |= own & bright[row];
+#define IVORY_MARK_BIT(S, above, bit, row, own) if ((S & bit) != 0) leaves.above[row] |= own;
+#define IVORY_MARK_BITS_01(S, row, own) IVORY_MARK_BIT(S, above0, 1, row, own) IVORY_MARK_BIT(S, above1, 2, row, own)
+#define IVORY_MARK_LEVEL(S, row, own) IVORY_MARK_BITS_01(S, row, own) IVORY_MARK_BIT(S, above2, 4, row, own)
+#define IVORY_TAKE_OWN(S, row, own) IVORY_MARK_LEAVES(row, own) IVORY_MARK_LEVEL(S, row, own)
+#define IVORY_TAKE_LEAVES(S, row, taken) { uint own = IVORY_LEAVES_LEFT(S, row, taken); IVORY_TAKE_OWN(S, row, own) }
+
+#define IVORY_IN_BOTH(x, S, FIRST) (x[j] & x[k] & ((x[j] & x[k]) >> uint(1 << S)) & FIRST)
+#define IVORY_MERGE_DARK(S, FIRST) uint d = IVORY_IN_BOTH(dark, S, FIRST); uint b = IVORY_IN_BOTH(bright, S, FIRST);
+#define IVORY_MERGE_OUTSIDE(S, FIRST) uint o = IVORY_IN_BOTH(outside, S, FIRST);
+#define IVORY_MERGE_TAKEN(S) uint taken = S + 1 <= finest ? d | b : 0u; taken |= taken << uint(1 << S);
+#define IVORY_MERGE_TAKE(S) IVORY_MERGE_TAKEN(S) IVORY_TAKE_LEAVES(S, j, taken) IVORY_TAKE_LEAVES(S, k, taken)
+#define IVORY_MERGE_STORE dark[j] = d; bright[j] = b; outside[j] = o;
+#define IVORY_MERGE(S, FIRST) IVORY_MERGE_DARK(S, FIRST) IVORY_MERGE_OUTSIDE(S, FIRST) IVORY_MERGE_TAKE(S) IVORY_MERGE_STORE
+#define IVORY_ROW_PAIRS(S) for (int j = 0, k = 1 << S; j < IVORY_LEAF_SIZE; j += 2 << S, k += 2 << S)
+#define IVORY_MERGE_LEVEL(S, FIRST) IVORY_ROW_PAIRS(S) { IVORY_MERGE(S, FIRST) }
 
 // Blocks above `least_level` (0 to IVORY_LEAF_DEPTH) are split, dark and lit ones alike.
 IvoryMaskLeaves ivory_mask_leaves(uint rows[IVORY_MASK_SIZE], int least_level) {

@@ -2,6 +2,7 @@
 #include "bsdf.glsl"
 
 in vec3 ivory_p;
+in vec3 ivory_from_eye;
 in vec3 ivory_n;
 in vec4 ivory_t;
 in vec4 ivory_uv;
@@ -39,6 +40,8 @@ float ivory_coverage(float alpha) {
 }
 
 vec3 ivory_shading_normal(vec3 front_ng) {
+  // Before any return that some fragments take: the filter needs all of a group.
+  vec3 texel = ivory_shading.z == 0.0 ? vec3(0.0) : texture(ivory_textures[2], ivory_uv_of(2)).xyz * 2.0 - 1.0;
   if (ivory_shading.y == 0.0 || dot(ivory_n, ivory_n) <= 0.0) return front_ng;
   vec3 n = normalize(ivory_n);
   if (ivory_shading.z == 0.0) return n;
@@ -46,7 +49,6 @@ vec3 ivory_shading_normal(vec3 front_ng) {
   if (dot(t, t) <= 0.0) return n;
   t = normalize(t);
   vec3 b = cross(n, t) * ((ivory_t.w < 0.0 ? -1.0 : 1.0) * ivory_shading.w);
-  vec3 texel = texture(ivory_textures[2], ivory_uv_of(2)).xyz * 2.0 - 1.0;
   vec3 mapped = t * (texel.x * ivory_shading.x) + b * (texel.y * ivory_shading.x) + n * texel.z;
   return dot(mapped, mapped) > 0.0 ? normalize(mapped) : n;
 }
@@ -55,7 +57,8 @@ IvorySurface ivory_make_surface() {
   IvorySurface s;
   s.p = ivory_p;
   s.wo = ivory_eye.w > 0.5 ? normalize(ivory_eye.xyz - ivory_p) : ivory_eye.xyz;
-  vec3 ng = normalize(cross(dFdx(ivory_p), dFdy(ivory_p)));
+  // Relative to the eye, where differences keep their digits however far the scene lies from the origin.
+  vec3 ng = normalize(cross(dFdx(ivory_from_eye), dFdy(ivory_from_eye)));
   if (dot(ng, s.wo) < 0.0) ng = -ng;
   s.ng = ng;
   s.ns = ivory_shading_normal(gl_FrontFacing ? ng : -ng);

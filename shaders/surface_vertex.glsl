@@ -10,7 +10,10 @@ uniform mat4 ivory_world_from_object;
 uniform mat3 ivory_world_normal_from_object;  // inverse transpose, up to scale
 uniform mat3 ivory_world_tangent_from_object;
 
+uniform vec4 ivory_eye;  // as in surface.glsl
+
 out vec3 ivory_p;
+out vec3 ivory_from_eye;  // world, relative to the eye
 out vec3 ivory_n;
 out vec4 ivory_t;
 out vec4 ivory_uv;
@@ -22,6 +25,7 @@ invariant gl_Position;
 void main() {
   vec4 p = ivory_world_from_object * vec4(position, 1.0);
   ivory_p = p.xyz;
+  ivory_from_eye = p.xyz - ivory_eye.xyz * ivory_eye.w;
   ivory_n = ivory_world_normal_from_object * normal;
   ivory_t = vec4(ivory_world_tangent_from_object * tangent.xyz, tangent.w);
   ivory_uv = uv;

@@ -116,7 +116,7 @@ TEST_F(RuntimeFiv, HalvesKeepElevenBits) {
     float largest = 0;
     for (std::size_t i = 0; i < table.values.size(); ++i)
       largest = std::max(largest, std::abs(table.values[i] / fiv_falloff(table.radii[i / sphere])));
-    const float scale = half_scale(largest);
+    const float scale = gl::half_scale(largest);
     for (std::size_t i = 0; i < table.values.size(); ++i) {
       const float level = fiv_falloff(table.radii[i / sphere]) * scale;
       const float value = gl::rounded_to_half(table.values[i] / level) * level;

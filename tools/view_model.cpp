@@ -42,7 +42,7 @@ class TextureStore {
       textures_.push_back(gl::make_texture_2d(scene_.name, srgb ? gl::Format::srgb8_alpha8 : gl::Format::rgba8,
                                               image.width, image.height, image.rgba.data(),
                                               texture.nearest ? gl::Filter::nearest : gl::Filter::linear_mipmap,
-                                              runtime_wrap(texture.wrap_s)));
+                                              runtime_wrap(texture.wrap_s), runtime_wrap(texture.wrap_t)));
     }
   }
   MaterialTexture at(const TextureUse& use, bool srgb) const {

@@ -53,7 +53,7 @@ void set_environment(ViewSession& session, const EnvironmentChoice& choice) {
   difmap.metadata = input.origin;
   const EnvironmentMap map = to_latlong(std::move(input.image));
   gl::Texture sky = gl::make_texture_2d(choice.path, gl::Format::rgb32f, map.width, map.height, map.radiance.data(),
-                                        gl::Filter::linear, gl::Wrap::repeat);
+                                        gl::Filter::nearest, gl::Wrap::repeat, gl::Wrap::clamp);
   std::unique_ptr<ViewAsset> asset = bake_view_difmap(choice.path, difmap);
   session.environment_hash = asset->environment_hash;
   // It stands before files of another environment, and after none: the latest is what lights.
