@@ -271,7 +271,7 @@ void run(const BenchRuntimeOptions& options, const CommonOptions& common) {
   methods.push_back({"grid, tricubic", grid_read(Interpolation::tricubic, Guard::off)});
   methods.push_back({"grid, tricubic, guard planes", grid_read(Interpolation::tricubic, Guard::planes)});
   methods.push_back({"cube map, M = 4", ambient(cube)});
-  methods.push_back({"lobes, depth 4, 64 spheres", ambient(lobes, false)});
+  methods.push_back({fmt::format("lobes, depth 4, {} spheres", assets.spheres.spheres.size()), ambient(lobes, false)});
   for (const int count : {1, 10, 20, 40, 60})
     methods.push_back({fmt::format("FIV, {} occluders", count), ambient(fiv, difmap), count, &fiv,
                        std::span(crowd).first(std::size_t(count))});

@@ -27,7 +27,7 @@ struct RuntimeBenchAssets {
   IrradianceGrid grid;  // of the object on a floor of 8 x 8 m under the environment, with its guard
   LocalizedCube cube;   // 4 texels a side
   LobeTable lobes;
-  SphereSet spheres;  // 64
+  SphereSet spheres;
 };
 RuntimeBenchAssets make_runtime_bench_assets(const Scene& object, const EnvironmentMap& environment, int grid_side);
 
