@@ -23,6 +23,7 @@ using Json = nlohmann::json;
 class ViewCommand : public CommandTest {
  protected:
   static void SetUpTestSuite() {
+    fs::create_directories(IVORY_TEST_DATA_DIR);
     const RunResult bake = run_ivory("bake grid " + room() + " -o " + grid() +
                                      " --resolution 20,12,16 --photons 300k --guard planes --threads 2 --force");
     ASSERT_EQ(bake.exit_code, 0) << bake.output;
@@ -250,6 +251,42 @@ TEST_F(ViewCommand, NodesOfTheSceneAreObjects) {
   }
 }
 
+// Lamps over a floor, as many as there are intensities.
+std::string write_lamps(const std::string& name, const std::vector<float>& intensities_cd) {
+  GltfBuilder gltf;
+  const int indices = gltf.add_indices({0, 1, 2, 0, 2, 3});
+  const int positions = gltf.add(std::vector<V3f>{{-3, 0, -3}, {-3, 0, 3}, {3, 0, 3}, {3, 0, -3}});
+  gltf.add_node({{"mesh", gltf.add_mesh({{"attributes", {{"POSITION", positions}}}, {"indices", indices}})}});
+  gltf.use_extension("KHR_lights_punctual");
+  nlohmann::json& lights = gltf.root["extensions"]["KHR_lights_punctual"]["lights"];
+  for (const float intensity : intensities_cd) {
+    const int light = int(lights.size());
+    lights.push_back({{"type", "point"}, {"intensity", intensity}});
+    gltf.add_node({{"translation", {std::sin(intensity), 1, std::cos(intensity)}},
+                   {"extensions", {{"KHR_lights_punctual", {{"light", light}}}}}});
+  }
+  return gltf.write(name);
+}
+
+TEST_F(ViewCommand, StrongestOfTooManyLightsShine) {
+  std::vector<float> strong;
+  for (int i = 0; i < 32; ++i) strong.push_back(float(1 + i % 7) + 0.01F * float(i));
+  std::vector<float> all = strong;
+  all.insert(all.begin() + 20, 0.5F);
+  all.insert(all.begin() + 3, 0.25F);
+  const std::string how = " --method none --samples 1 --exposure 0 --shadow-size 64 -o ";
+  view(write_lamps("strong", strong) + how + path("strong.exr"));
+  view(write_lamps("all", all) + how + path("all.exr"));
+  EXPECT_TRUE(read_image(path("strong.exr")).pixels == read_image(path("all.exr")).pixels);
+  const RunResult said =
+      run_ivory("view --headless --size 160x120 --force --frames 2 " + write_lamps("all", all) + how + path("all.exr"));
+  EXPECT_NE(said.output.find("2 of the 34 lights are left out"), std::string::npos) << said.output;
+  // 64 layers, six a lamp; said once.
+  const std::size_t at = said.output.find("22 of the 32 lights cast no shadow");
+  ASSERT_NE(at, std::string::npos) << said.output;
+  EXPECT_EQ(said.output.find("cast no shadow", at + 40), std::string::npos) << said.output;
+}
+
 // Every way in which a file can be bad ends in one line, and nothing is drawn.
 class ViewBadFiles : public ViewCommand {
  protected:
@@ -321,6 +358,24 @@ TEST_F(ViewBadFiles, ImpossibleCommandsAreUsageErrors) {
   expect_one_line("view --headless " + room(), 2, "-o");
   std::ofstream(path("there.png")) << "x";
   expect_one_line("view --headless " + room() + " -o " + path("there.png"), 1, "there.png");
+}
+
+TEST_F(ViewBadFiles, ViewsThatHaveNoNumbersAreUsageErrors) {
+  // What a display showed is no light that could be taken away from light.
+  const std::string small = room() + " --method constant --samples 1 ";
+  view(small + "-o " + path("shown.png"));
+  const std::string difference = small + "--debug difference --reference " + path("shown.png");
+  expect_one_line("view --headless -q --size 160x120 " + difference + " -o " + path("d.exr"), 2, "give an .exr reference");
+  EXPECT_FALSE(fs::exists(path("d.exr")));
+  view(difference + " -o " + path("d.png"));
+  EXPECT_TRUE(fs::exists(path("d.png")));
+
+  run("bake grid " + room() + " -o " + path("open.vdb") + " --resolution 4 --photons 1k --guard off");
+  for (const char* debug : {"kept", "guard"})
+    expect_refused(room() + " " + path("open.vdb") + " --debug " + debug, 2, "leak guard");
+  // A grid that cannot be read as asked is not passed over for another source.
+  run("bake grid " + room() + " -o " + path("sh.vdb") + " --resolution 4 --photons 1k --basis sh9");
+  expect_refused(room() + " " + path("sh.vdb") + " --reconstruction paper", 2, "basis vectors");
 }
 
 TEST_F(ViewBadFiles, MissingOpenGLOrDisplayIsSaid) {

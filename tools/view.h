@@ -31,8 +31,12 @@ ViewSession start_session(const ViewRun& run, const CommonOptions& common);
 // Exposure for the session's picture as it is: what ivory render would choose.
 float find_exposure(ViewFrame& frame, ViewSession& session, ViewTarget& target);
 
+// Throws UsageError where the file would hold linear light and the session shows none: the difference to a picture of
+// display values.
+void require_linear_form(const std::string& path, const ViewSession& session);
+
 // The picture in the target as a file: linear formats hold the mean itself (radiance in nits, or the debug view's
-// numbers), the others what the display shows.
+// numbers), the others what the display shows. Throws as require_linear_form() does.
 void write_picture(const std::string& path, const ViewSession& session, const ViewTarget& target, bool force);
 
 // What the false colours show: "guard, lux".

@@ -77,7 +77,7 @@ V2f pixel_point(int i) {
   return {x - std::floor(x) - 0.5F, y - std::floor(y) - 0.5F};
 }
 
-void ViewFrame::update_shadows(const ViewSession& session) {
+void ViewFrame::update_shadows(ViewSession& session) {
   std::vector<V3f> places;
   for (const ViewObject& object : session.world.objects) places.push_back(place(object, session.world.time_s));
   if (places == shadows_of_ && shadow_size_ == session.settings.shadow_size) return;
@@ -91,6 +91,15 @@ void ViewFrame::update_shadows(const ViewSession& session) {
   ShadowParams params;
   params.size = session.settings.shadow_size;
   shadows_.update(session.direct, casters, params);
+  // Said again where it changes, not in every frame of what moves.
+  if (const int without = shadows_.unshadowed(); without != unshadowed_) {
+    unshadowed_ = without;
+    if (without > 0)
+      session.notes.push_back(
+          fmt::format("note: {} of the {} lights cast no shadow: shadow maps have {} layers, of "
+                      "which a point light takes six",
+                      without, session.direct.size(), max_shadow_layers));
+  }
   shadows_of_ = std::move(places);
   shadow_size_ = session.settings.shadow_size;
 }

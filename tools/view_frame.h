@@ -18,7 +18,7 @@ V2f pixel_point(int i);
 class ViewFrame {
  public:
   // One point of each pixel, at `shift` from its middle, added to the target's mean. Throws UsageError where the debug
-  // view lacks a grid or reference, Error as the runtime does.
+  // view lacks a grid or reference, Error as the runtime does. Notes of the session say which lights cast no shadow.
   void draw_point(ViewSession& session, ViewTarget& target, const V2f& shift);
 
   // From the target's mean to its display picture: tone-mapped, or in false colours over range().
@@ -31,12 +31,13 @@ class ViewFrame {
   std::size_t bytes() const { return shadows_.bytes(); }
 
  private:
-  void update_shadows(const ViewSession& session);
+  void update_shadows(ViewSession& session);
 
   Renderer renderer_;
   LightSet shadows_;
   std::vector<V3f> shadows_of_;  // places of the objects that the shadow maps show
   int shadow_size_ = 0;
+  int unshadowed_ = 0;  // lights without a shadow that the user was told of
   OverlayPass overlay_;
   DisplayPass display_;
 };

@@ -33,6 +33,7 @@ void run_headless(const ViewRun& run, const CommonOptions& common) {
   ViewSession session = start_session(run, common);
   ViewTarget target(run.input.size.x, run.input.size.y);
   ViewFrame frame;
+  for (const std::string& output : run.outputs) require_linear_form(output, session);
   const std::uint64_t frames = run.frames == 0 ? 1 : run.frames;
   session.settings.tone.exposure_stops =
       run.exposure_stops ? *run.exposure_stops : find_exposure(frame, session, target);
@@ -60,6 +61,8 @@ void run_headless(const ViewRun& run, const CommonOptions& common) {
       write_picture(numbered(output, i), session, target, common.force);
       written.push_back(numbered(output, i));
     }
+    for (const std::string& note : session.notes) print_note(common, note);
+    session.notes.clear();
     progress.update(i + 1, frames);
   }
 

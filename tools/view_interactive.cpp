@@ -42,7 +42,7 @@ class Viewer {
   void run_until_closed() {
     double last = window_.seconds();
     while (!window_.should_close() && (run_.frames == 0 || frames_ < run_.frames)) {
-      for (const WindowEvent& event : window_.take_events(idle() ? 0.05 : 0))
+      for (const WindowEvent& event : window_.take_events(!target_ || idle() ? 0.05 : 0))
         std::visit([&](const auto& e) { on(e); }, event);
       const double now = window_.seconds();
       if (controls_.advance(session_->world, float(now - last), fast_)) dirty_ = true;
@@ -81,7 +81,8 @@ class Viewer {
     return false;
   }
   bool idle() const {
-    return !dirty_ && !controls_.flies() && !moving() && target_ && target_->samples() >= state_.samples;
+    return !dirty_ && !controls_.flies() && !moving() && target_ &&
+           (!failure_.empty() || target_->samples() >= state_.samples);
   }
   void say(const std::string& message) {
     print_note(common_, message);
@@ -126,22 +127,33 @@ class Viewer {
     while (target_->samples() < up_to) frame_->draw_point(*session_, *target_, pixel_point(target_->samples()));
   }
 
+  // What cannot be drawn is said once, and tried again when something has changed.
+  void draw_picture() {
+    try {
+      if (dirty_ || target_->samples() < state_.samples) draw_points(dirty_ ? 1 : target_->samples() + 1);
+      frame_->draw_display(*session_, *target_);
+      failure_.clear();
+    } catch (const UsageError& error) {
+      // A view that lacks what it shows, after a resize or a removal.
+      session_->settings.debug = DebugView::none;
+      session_->settings.lookup.reconstruction = Reconstruction::optimal;
+      dirty_ = is_news(error);
+      if (dirty_) throw;
+    } catch (const Error& error) {
+      if (is_news(error)) throw;
+    }
+  }
+  bool is_news(const std::exception& error) {
+    const bool known = failure_ == error.what();
+    failure_ = error.what();
+    return !known;
+  }
+
   void draw() {
     const double start = window_.seconds();
     const bool was_idle = idle();
     timer_->begin();
-    attempt([&] {
-      try {
-        if (dirty_ || target_->samples() < state_.samples) draw_points(dirty_ ? 1 : target_->samples() + 1);
-        frame_->draw_display(*session_, *target_);
-      } catch (const UsageError&) {
-        // A view that lacks what it shows, after a resize or a removal.
-        session_->settings.debug = DebugView::none;
-        session_->settings.lookup.reconstruction = Reconstruction::optimal;
-        dirty_ = true;
-        throw;
-      }
-    });
+    if (dirty_ || failure_.empty()) attempt([&] { draw_picture(); });
     timer_->end();
     ++frames_;
     target_->show();
@@ -165,7 +177,7 @@ class Viewer {
     window_.begin_gui();
     if (ViewFrame::is_false_color(session_->settings) && target_->samples() > 0) {
       const ColorRange range = frame_->color_range(*session_, *target_);
-      draw_legend(*ImGui::GetBackgroundDrawList(), range, legend_title(*session_), target_->height());
+      draw_legend(*ImGui::GetBackgroundDrawList(), range, legend_title(*session_), int(ImGui::GetIO().DisplaySize.y));
     }
     GuiRequest request;
     attempt([&] { request = draw_gui(*session_, state_); });
@@ -206,9 +218,10 @@ class Viewer {
   }
 
   void screenshot(const std::string& extension) {
+    const std::string path = screenshot_name(run_.outputs, extension);
+    require_linear_form(path, *session_);
     draw_points(state_.samples);
     frame_->draw_display(*session_, *target_);
-    const std::string path = screenshot_name(run_.outputs, extension);
     write_picture(path, *session_, *target_, common_.force);
     screenshots_.push_back(path);
     say(path + " written");
@@ -248,7 +261,7 @@ class Viewer {
     dirty_ = true;
   }
   void on(const KeyEvent& e) {
-    if (const std::optional<FlyKey> key = fly_key(e.key); key && !e.control) {
+    if (const std::optional<FlyKey> key = fly_key(e.key); key && (!e.control || !e.down)) {
       fast_ = e.shift;
       if (!e.down)
         controls_.release(*key);
@@ -323,6 +336,7 @@ class Viewer {
   ViewControls controls_;
   GuiState state_;
   bool dirty_ = true;
+  std::string failure_;  // why the picture cannot be drawn; empty: it can
   bool fast_ = false;
   bool screenshot_with_panel_ = false;
   std::uint64_t frames_ = 0;

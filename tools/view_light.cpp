@@ -1,4 +1,6 @@
 // Which asset lights an object by which method, and what of it moves.
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "grid/error.h"
@@ -38,8 +40,12 @@ std::string lacks(const ViewSession& session, ViewMethod method) {
   if (method == ViewMethod::lobes && session.world.scene().sphere_lights.empty())
     return "the scene has no spherical light (--sphere-light)";
   if (method == ViewMethod::none || method == ViewMethod::constant) return "";
-  if (asset_for(session, method) == nullptr)
-    return fmt::format("no asset that method {} reads was given", name(method));
+  const ViewAsset* asset = asset_for(session, method);
+  if (asset == nullptr) return fmt::format("no asset that method {} reads was given", name(method));
+  if (asset->grid && session.settings.lookup.reconstruction == Reconstruction::paper &&
+      asset->grid->gpu.basis != Basis::vectors)
+    return fmt::format("--reconstruction paper needs a grid of basis vectors, {} has {}", asset->path,
+                       name(asset->grid->gpu.basis));
   if (method == ViewMethod::fiv && !session.occluders.gpu) return "no FIV table was given";
   return "";
 }
@@ -47,6 +53,8 @@ std::string lacks(const ViewSession& session, ViewMethod method) {
 std::string lacks(const ViewSession& session, DebugView view) {
   if (needs_grid(view) && session.debug_grid == nullptr) return "it shows a grid, and none was given";
   if (view == DebugView::difference && !session.reference) return "it needs a --reference";
+  const bool by_guard = view == DebugView::kept || view == DebugView::guard;
+  if (by_guard && !session.debug_grid->grid->gpu.guarded) return "it needs a grid with a leak guard";
   const bool six = view == DebugView::vectors || view == DebugView::bracket;
   if (six && session.debug_grid->grid->gpu.basis != Basis::vectors)
     return fmt::format("it needs a grid of basis vectors, {} has {}", session.debug_grid->label(),
@@ -56,12 +64,7 @@ std::string lacks(const ViewSession& session, DebugView view) {
 
 void choose_method(ViewSession& session, std::size_t object, ViewMethod method) {
   if (const std::string lack = lacks(session, method); !lack.empty()) throw UsageError(lack);
-  const ViewAsset* asset = asset_for(session, method);
-  if (asset != nullptr && asset->grid && session.settings.lookup.reconstruction == Reconstruction::paper &&
-      asset->grid->gpu.basis != Basis::vectors)
-    throw UsageError(fmt::format("--reconstruction paper needs a grid of basis vectors, {} has {}", asset->path,
-                                 name(asset->grid->gpu.basis)));
-  session.lights[object] = {method, asset};
+  session.lights[object] = {method, asset_for(session, method)};
 }
 
 namespace {
@@ -77,19 +80,26 @@ V3f place_of_spheres(const ViewSession& session, const ViewAsset& asset) {
   return asset.offset_m;
 }
 
+// Groups of spheres take longer to build than a point of each pixel to draw: only when one of them moved.
 void place_lobes(ViewSession& session) {
+  std::vector<std::pair<const ViewAsset*, V3f>> places;
+  for (const auto& asset : session.assets) {
+    if (asset->spheres || asset->lobes)
+      places.emplace_back(asset.get(), asset->spheres ? place_of_spheres(session, *asset) : V3f(0, 0, 0));
+  }
+  if (places == session.lobes_placed) return;
   std::vector<BallLight> lights;
   for (const SphereLight& light : session.world.scene().sphere_lights)
     lights.push_back({{light.center, light.radius_m}, light.radiance_nits});
   std::vector<Sphere> occluders;
-  for (const auto& asset : session.assets) {
+  for (const auto& [asset, offset] : places) {
     if (!asset->spheres) continue;
-    const V3f offset = place_of_spheres(session, *asset);
     for (const Sphere& sphere : asset->spheres->spheres) occluders.push_back({sphere.center + offset, sphere.radius_m});
   }
   for (const auto& asset : session.assets) {
     if (asset->lobes) place(*asset->lobes, lights, occluders);
   }
+  session.lobes_placed = std::move(places);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <set>
 #include <type_traits>
 #include <utility>
@@ -203,6 +204,27 @@ std::vector<RuntimeLight> runtime_lights(const Scene& scene) {
     lights.push_back(out);
   }
   return lights;
+}
+
+std::vector<RuntimeLight> strongest(const std::vector<RuntimeLight>& lights, std::size_t count, const V3f& center_m,
+                                    float radius_m) {
+  if (lights.size() <= count) return lights;
+  // Illuminance at a distance that is usual in the scene: what a lamp does right beside it says little of the picture.
+  const auto illuminance = [&](std::size_t i) {
+    const RuntimeLight& light = lights[i];
+    if (light.kind == LightKind::directional) return luminance(light.intensity);
+    const float distance_m = std::max((light.position_m - center_m).length(), radius_m);
+    return luminance(light.intensity) / (distance_m * distance_m);
+  };
+  std::vector<std::size_t> order(lights.size());
+  std::iota(order.begin(), order.end(), std::size_t(0));
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return illuminance(a) > illuminance(b); });
+  order.resize(count);
+  std::sort(order.begin(), order.end());
+  std::vector<RuntimeLight> kept;
+  for (const std::size_t i : order) kept.push_back(lights[i]);
+  return kept;
 }
 
 }  // namespace ivory

@@ -34,4 +34,8 @@ GpuModel upload(const Scene& scene);
 // The scene's point, spot and directional lights; its other lights give none of them.
 std::vector<RuntimeLight> runtime_lights(const Scene& scene);
 
+// The `count` of them that light a scene of that sphere most, in the order that they came in.
+std::vector<RuntimeLight> strongest(const std::vector<RuntimeLight>& lights, std::size_t count, const V3f& center_m,
+                                    float radius_m);
+
 }  // namespace ivory

@@ -29,6 +29,18 @@ ViewOccluders find_occluders(const ViewAssets& assets, const ViewWorld& world) {
   return found;
 }
 
+void remove_occluder(ViewOccluders& occluders, std::size_t object) {
+  if (object >= occluders.of_object.size()) return;
+  const int removed = occluders.of_object[object];
+  occluders.of_object.erase(occluders.of_object.begin() + std::ptrdiff_t(object));
+  if (removed >= 0) {
+    occluders.own.erase(occluders.own.begin() + removed);
+    occluders.object_of.erase(occluders.object_of.begin() + removed);
+    for (int& index : occluders.of_object) index -= index > removed ? 1 : 0;
+  }
+  for (std::size_t& index : occluders.object_of) index -= index > object ? 1 : 0;
+}
+
 void place_occluders(ViewOccluders& occluders, const ViewWorld& world) {
   if (!occluders.gpu) return;
   std::vector<GpuFivOccluder> now = occluders.own;

@@ -21,6 +21,9 @@ struct ViewOccluders {
 // Error where OpenGL has no room for the tables, or for so many occluders.
 ViewOccluders find_occluders(const ViewAssets& assets, const ViewWorld& world);
 
+// To be called when an object has been taken out of the world. The tables stay on the GPU: nothing can fail.
+void remove_occluder(ViewOccluders& occluders, std::size_t object);
+
 // To be called when objects have moved.
 void place_occluders(ViewOccluders& occluders, const ViewWorld& world);
 

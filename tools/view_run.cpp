@@ -18,8 +18,10 @@ using Json = nlohmann::ordered_json;
 
 // What a user who names no method expects: the best of what was given.
 ViewMethod best_method(const ViewSession& session) {
-  for (const ViewMethod method : {ViewMethod::grid, ViewMethod::fiv, ViewMethod::lobes, ViewMethod::cubemap,
-                                  ViewMethod::difmap, ViewMethod::sh9}) {
+  // Of a grid that cannot be read as asked choose_method() says so: nothing else stands in for it.
+  if (find_asset(session.assets, FileKind::grid) != nullptr) return ViewMethod::grid;
+  for (const ViewMethod method :
+       {ViewMethod::fiv, ViewMethod::lobes, ViewMethod::cubemap, ViewMethod::difmap, ViewMethod::sh9}) {
     if (lacks(session, method).empty()) return method;
   }
   return ViewMethod::none;
@@ -29,7 +31,8 @@ void choose_methods(ViewSession& session, const ViewRun& run) {
   const ViewMethod all = run.method.empty() ? best_method(session) : view_method_from_name(run.method);
   for (std::size_t i = 0; i < session.world.objects.size(); ++i) choose_method(session, i, all);
   // As ivory render has it: the cube map is for what moves near it, the rest keeps its grid.
-  if (all == ViewMethod::cubemap && session.world.objects.size() > 1 && lacks(session, ViewMethod::grid).empty())
+  if (all == ViewMethod::cubemap && session.world.objects.size() > 1 &&
+      find_asset(session.assets, FileKind::grid) != nullptr)
     choose_method(session, 0, ViewMethod::grid);
   for (const std::string& text : run.methods_of) {
     const std::size_t equals = text.rfind('=');
@@ -76,16 +79,27 @@ ViewSession start_session(const ViewRun& run, const CommonOptions& common) {
 
 float find_exposure(ViewFrame& frame, ViewSession& session, ViewTarget& target) {
   const DebugView view = session.settings.debug;
+  struct Restore {
+    DebugView& debug;
+    DebugView before;
+    ~Restore() { debug = before; }
+  } const restore{session.settings.debug, view};
   const bool is_irradiance = view == DebugView::irradiance || view == DebugView::stored;
   if (!is_irradiance) session.settings.debug = DebugView::none;
   target.reset();
   frame.draw_point(session, target, V2f(0, 0));
   target.reset();
-  session.settings.debug = view;
   return auto_exposure(target.read_mean()) + (is_irradiance ? std::log2(pi) : 0.0F);
 }
 
+void require_linear_form(const std::string& path, const ViewSession& session) {
+  if (is_linear_image(path) && session.settings.debug == DebugView::difference && session.reference &&
+      session.reference->is_display)
+    throw UsageError("--debug difference with a display reference has no linear form; give an .exr reference");
+}
+
 void write_picture(const std::string& path, const ViewSession& session, const ViewTarget& target, bool force) {
+  require_linear_form(path, session);
   Metadata metadata;
   metadata["version"] = std::string(IVORY_VERSION);
   metadata["scene"] = session.world.objects.front().name;

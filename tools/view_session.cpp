@@ -58,6 +58,10 @@ void set_environment(ViewSession& session, const EnvironmentChoice& choice) {
   session.environment_hash = asset->environment_hash;
   // It stands before files of another environment, and after none: the latest is what lights.
   session.assets.insert(session.assets.begin(), std::move(asset));
+  for (ObjectLight& light : session.lights) {
+    if (light.method == ViewMethod::difmap || light.method == ViewMethod::fiv)
+      light.asset = session.assets.front().get();
+  }
   session.sky = std::move(sky);
   session.environment = file_name(choice.path);
 }
@@ -137,6 +141,11 @@ ViewSession open_session(const SessionInput& input) {
   for (ViewObject& object : objects) add_object(session, std::move(object));
   if (!input.environment.path.empty()) set_environment(session, input.environment);
   measure(session.world);
+  if (const std::size_t all = session.direct.size(); all > max_lights) {
+    session.direct = strongest(session.direct, max_lights, session.world.center_m, session.world.radius_m);
+    session.notes.push_back(fmt::format("note: {} of the {} lights are left out: the {} strongest shine",
+                                        all - max_lights, all, max_lights));
+  }
   const Camera camera = choose_camera(input, session.world);
   session.world.camera = make_view_camera(camera, session.world.center_m, session.world.radius_m);
   for (const std::string& path : files) add_file(session, path, std::nullopt, input.size);
@@ -162,8 +171,15 @@ std::string add_file(ViewSession& session, const std::string& path, const std::o
       object.offset_m = *at - V3f(box.center().x, box.min.y, box.center().z);
     }
     add_object(session, std::move(object));
+    try {
+      session.occluders = find_occluders(session.assets, session.world);
+    } catch (...) {
+      session.world.objects.pop_back();
+      session.models.pop_back();
+      session.lights.pop_back();
+      throw;
+    }
     measure(session.world);
-    session.occluders = find_occluders(session.assets, session.world);
     return fmt::format("{} is an object now", file_name(path));
   }
   if (kind == FileKind::image) {
@@ -228,7 +244,7 @@ void remove_object(ViewSession& session, std::size_t object) {
   session.world.objects.erase(session.world.objects.begin() + at);
   session.models.erase(session.models.begin() + at);
   session.lights.erase(session.lights.begin() + at);
-  session.occluders = find_occluders(session.assets, session.world);
+  remove_occluder(session.occluders, object);
 }
 
 }  // namespace ivory

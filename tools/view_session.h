@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "runtime/ambient.h"
@@ -36,14 +37,15 @@ struct ViewSession {
   ViewWorld world;
   std::vector<GpuModel> models;      // of the world's objects
   std::vector<ObjectLight> lights;   // of the world's objects
-  std::vector<RuntimeLight> direct;  // of the scene
+  std::vector<RuntimeLight> direct;  // of the scene; max_lights at most
   ViewAssets assets;
   ViewSettings settings;
   const ViewAsset* debug_grid = nullptr;  // that debug views show
   std::optional<ReferencePicture> reference;
   ViewOccluders occluders;
-  std::string environment;       // name without folders; empty: none
-  std::string environment_hash;  // of its file
+  std::vector<std::pair<const ViewAsset*, V3f>> lobes_placed;  // lobe tables and sphere sets, where they were last
+  std::string environment;                                     // name without folders; empty: none
+  std::string environment_hash;                                // of its file
   std::optional<gl::Texture> sky;
   std::vector<std::string> notes;  // one line each, for the user: what was left out or chosen
 
