@@ -1,0 +1,69 @@
+// The shaders by the reference compiler, which allows nothing beyond GLSL 3.30; drivers allow more, each something
+// else.
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "runtime/shader_source.h"
+
+namespace ivory {
+
+namespace {
+
+// Every file by itself, and every source of ambient light as ivory::Renderer puts it into its fragment shader.
+std::vector<std::pair<std::string, std::string>> fragment_shaders() {
+  std::vector<std::pair<std::string, std::string>> shaders;
+  for (const std::string& name : shader_names()) {
+    if (name == "surface_vertex.glsl") continue;
+    const std::string include = "#include \"" + name + "\"\n";
+    const bool whole = name == "surface_fragment.glsl" || name == "depth_fragment.glsl";
+    // A fragment shader that uses nothing still needs its main().
+    if (name != "surface_fragment.glsl") shaders.emplace_back(name, include + (whole ? "" : "void main() {}\n"));
+    if (!name.starts_with("ambient_")) continue;
+    std::vector<std::string> variants{""};
+    if (name == "ambient_lobes.glsl") variants.emplace_back("#define IVORY_LOBES_GLOSSY\n");
+    if (name == "ambient_fiv.glsl") {
+      for (const char* overlap : {"0", "1", "2", "3"})
+        variants.push_back("#define IVORY_FIV_OVERLAP " + std::string(overlap) + "\n");
+    }
+    for (const std::string& variant : variants) {
+      shaders.emplace_back(
+          "renderer with " + name + " " + variant,
+          "#include \"punctual_lights.glsl\"\n" + variant + include + "#include \"surface_fragment.glsl\"\n");
+    }
+  }
+  return shaders;
+}
+
+std::string output_of(const std::string& command) {
+  std::string text;
+  FILE* pipe = popen((command + " 2>&1").c_str(), "r");
+  char buffer[4096];
+  for (std::size_t n = 0; pipe != nullptr && (n = fread(buffer, 1, sizeof buffer, pipe)) > 0;) text.append(buffer, n);
+  if (pipe != nullptr) pclose(pipe);
+  return text;
+}
+
+TEST(RuntimeShaders, AreStrictGlsl330) {
+  if (std::system("command -v glslangValidator >/dev/null") != 0)
+    GTEST_SKIP() << "needs glslangValidator (Debian package glslang-tools)";
+  const std::filesystem::path folder = std::filesystem::path(IVORY_TEST_DATA_DIR) / "shaders";
+  std::filesystem::create_directories(folder);
+  const auto check = [&](const std::string& what, const std::string& source, const char* extension) {
+    const std::string path = (folder / (std::string("shader.") + extension)).string();
+    std::ofstream(path) << "#version 330 core\n" << with_includes(source);
+    const std::string output = output_of("glslangValidator " + path);
+    EXPECT_EQ(output.find("ERROR"), std::string::npos) << what << "\n" << output;
+  };
+  for (const auto& [what, source] : fragment_shaders()) check(what, source, "frag");
+  check("surface_vertex.glsl", "#include \"surface_vertex.glsl\"\n", "vert");
+  // It does find what drivers let pass.
+  std::ofstream(folder / "wrong.frag") << "#version 330 core\n#define F \\\n  1\nvoid main() {}\n";
+  EXPECT_NE(output_of("glslangValidator " + (folder / "wrong.frag").string()).find("ERROR"), std::string::npos);
+}
+
+}  // namespace
+
+}  // namespace ivory
