@@ -34,14 +34,16 @@ class ViewWindow : public CommandTest {
     }
   }
 
-  // An octahedron of half a metre's radius around the origin.
+  // A matt octahedron of half a metre's radius around the origin.
   static std::string write_octahedron() {
     GltfBuilder gltf;
     const std::vector<V3f> corners{{0.5F, 0, 0},  {-0.5F, 0, 0}, {0, 0.5F, 0},
                                    {0, -0.5F, 0}, {0, 0, 0.5F},  {0, 0, -0.5F}};
     const int positions = gltf.add(corners);
     const int indices = gltf.add_indices({0, 2, 4, 4, 2, 1, 1, 2, 5, 5, 2, 0, 4, 3, 0, 1, 3, 4, 5, 3, 1, 0, 3, 5});
-    gltf.add_node({{"mesh", gltf.add_mesh({{"attributes", {{"POSITION", positions}}}, {"indices", indices}})}});
+    gltf.root["materials"].push_back({{"pbrMetallicRoughness", {{"metallicFactor", 0}}}});
+    gltf.add_node(
+        {{"mesh", gltf.add_mesh({{"attributes", {{"POSITION", positions}}}, {"indices", indices}, {"material", 0}})}});
     return gltf.write("view_octahedron");
   }
 
