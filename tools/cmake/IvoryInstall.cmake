@@ -6,6 +6,9 @@ set(IVORY_SHADER_FOLDER ${CMAKE_INSTALL_DATADIR}/ivory/shaders)
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/ivory)
 
 install(TARGETS ivory COMPONENT tools)
+# What ivory chart runs and measures.
+install(DIRECTORY tools/chart DESTINATION ${CMAKE_INSTALL_DATADIR}/ivory/tools COMPONENT tools PATTERN "__pycache__" EXCLUDE)
+install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/ivory COMPONENT tools PATTERN "__pycache__" EXCLUDE)
 install(TARGETS ivory_runtime ivory_grid_io ivory_grid ivory_options EXPORT ivory COMPONENT runtime)
 install(DIRECTORY grid runtime DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ivory COMPONENT runtime
   FILES_MATCHING PATTERN "*.h" PATTERN "gl_check.h" EXCLUDE PATTERN "shader_table.h" EXCLUDE PATTERN "example" EXCLUDE)
