@@ -52,6 +52,17 @@ Rgb positive(const Rgb& c) { return {std::max(c.x, 0.0F), std::max(c.y, 0.0F), s
 
 }  // namespace
 
+FivTable first_hemisphere(const FivTable& six) {
+  assert(six.hemispheres == 6);
+  FivTable one = six;
+  one.hemispheres = 1;
+  one.values.clear();
+  for (std::size_t i = 0; i < fiv_sample_count(six); ++i)
+    one.values.insert(one.values.end(), six.values.begin() + std::ptrdiff_t(36 * i),
+                      six.values.begin() + std::ptrdiff_t(36 * i + 9));
+  return one;
+}
+
 V3d fiv_sample_direction(const V3i& size, int azimuth, int polar) {
   constexpr double pi_d = 3.14159265358979323846;
   const double phi = 2 * pi_d * azimuth / size.x;

@@ -44,6 +44,9 @@ inline std::size_t fiv_sample_count(const FivTable& table) {
   return std::size_t(table.size.x) * std::size_t(table.size.y) * std::size_t(table.size.z);
 }
 
+// The table of one hemisphere that a table of six holds.
+FivTable first_hemisphere(const FivTable& six);
+
 // Unit direction from the occluder's centre to the samples of that azimuth and polar index, in double.
 // Every sphere is laid out as a lat-long environment map is (rows from +Y to -Y, -Z at both ends, +X before
 // the middle), with samples on both poles.

@@ -254,7 +254,6 @@ void set_occluders(GpuFivTables& fiv, std::span<const GpuFivOccluder> occluders)
   }
   IVORY_GL(glBindBuffer, GL_UNIFORM_BUFFER, fiv.occluders.id());
   IVORY_GL(glBufferSubData, GL_UNIFORM_BUFFER, 0, GLsizeiptr(sizeof(OccluderBlock)), block.get());
-  fiv.occluder_count = int(occluders.size());
 }
 
 std::string fiv_defines(FivOverlap overlap, bool self) {

@@ -38,7 +38,6 @@ struct GpuFivTables {
   gl::Buffer tables;
   gl::Buffer occluders;
   int table_count = 0;
-  int occluder_count = 0;
   std::size_t bytes() const;  // of textures and buffers
 };
 

@@ -60,7 +60,7 @@ void require_context();
 // Throws Error naming `call` where OpenGL has recorded an error since the last check.
 void check(const char* call);
 
-enum class Format { r8, r16f, r32f, rg16f, rgb16f, rgb32f, rgba8, srgb8_alpha8, rgba16f, rgba32f, rgba32ui, depth24 };
+enum class Format { r16f, r32f, rgb16f, rgb32f, rgba8, srgb8_alpha8, rgba16f, rgba32f, rgba32ui, depth24 };
 std::size_t texel_bytes(Format format);
 
 enum class Filter { nearest, linear, linear_mipmap };
@@ -108,7 +108,6 @@ class Program {
   // Each makes the program current. Names as GLSL has them: "ivory_grid.size", "lights[3].position".
   void set(const std::string& name, int value);
   void set(const std::string& name, float value);
-  void set(const std::string& name, const V2f& value);
   void set(const std::string& name, const V3f& value);
   void set(const std::string& name, const Rgb& value) { set(name, V3f(value.x, value.y, value.z)); }
   void set(const std::string& name, const V4f& value);

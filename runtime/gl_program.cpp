@@ -83,9 +83,6 @@ int Program::location(const std::string& name) {
 
 void Program::set(const std::string& name, int value) { IVORY_GL(glUniform1i, location(name), value); }
 void Program::set(const std::string& name, float value) { IVORY_GL(glUniform1f, location(name), value); }
-void Program::set(const std::string& name, const V2f& value) {
-  IVORY_GL(glUniform2fv, location(name), 1, value.getValue());
-}
 void Program::set(const std::string& name, const V3f& value) {
   IVORY_GL(glUniform3fv, location(name), 1, value.getValue());
 }

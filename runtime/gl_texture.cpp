@@ -21,14 +21,10 @@ struct Layout {
 
 Layout layout(Format format) {
   switch (format) {
-    case Format::r8:
-      return {GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1};
     case Format::r16f:
       return {GL_R16F, GL_RED, GL_FLOAT, 2};
     case Format::r32f:
       return {GL_R32F, GL_RED, GL_FLOAT, 4};
-    case Format::rg16f:
-      return {GL_RG16F, GL_RG, GL_FLOAT, 4};
     case Format::rgb16f:
       return {GL_RGB16F, GL_RGB, GL_FLOAT, 6};
     case Format::rgb32f:
@@ -71,7 +67,6 @@ Texels texels_for(Format format, const void* texels, std::size_t count) {
   Texels out{{}, texels, l.type};
   std::size_t channels = 0;
   if (format == Format::r16f) channels = 1;
-  if (format == Format::rg16f) channels = 2;
   if (format == Format::rgb16f) channels = 3;
   if (format == Format::rgba16f) channels = 4;
   if (channels == 0 || texels == nullptr) return out;

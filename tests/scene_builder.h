@@ -58,6 +58,31 @@ inline Mesh make_room(const V3f& low, const V3f& high, int material) {
   return mesh;
 }
 
+// Closed sphere of radius 1 about the origin, fronts inward, of 8 * 4^subdivisions triangles.
+inline Mesh make_inward_sphere(int subdivisions, int material) {
+  Mesh mesh;
+  mesh.material = material;
+  mesh.positions = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  mesh.triangles = {{0, 4, 2}, {2, 4, 1}, {1, 4, 3}, {3, 4, 0}, {2, 5, 0}, {1, 5, 2}, {3, 5, 1}, {0, 5, 3}};
+  for (int level = 0; level < subdivisions; ++level) {
+    std::vector<Imath::Vec3<std::uint32_t>> finer;
+    for (const auto& t : mesh.triangles) {
+      const auto middle = [&](std::uint32_t a, std::uint32_t b) {
+        mesh.positions.push_back((mesh.positions[a] + mesh.positions[b]).normalized());
+        return static_cast<std::uint32_t>(mesh.positions.size() - 1);
+      };
+      const std::uint32_t ab = middle(t.x, t.y);
+      const std::uint32_t bc = middle(t.y, t.z);
+      const std::uint32_t ca = middle(t.z, t.x);
+      for (const auto& child : {Imath::Vec3<std::uint32_t>(t.x, ab, ca), Imath::Vec3<std::uint32_t>(ab, t.y, bc),
+                                Imath::Vec3<std::uint32_t>(ca, bc, t.z), Imath::Vec3<std::uint32_t>(ab, bc, ca)})
+        finer.push_back(child);
+    }
+    mesh.triangles = finer;
+  }
+  return mesh;
+}
+
 inline EnvironmentMap uniform_environment(const Rgb& radiance_nits, int height = 8) {
   EnvironmentMap map;
   map.width = 2 * height;

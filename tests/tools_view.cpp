@@ -365,7 +365,8 @@ TEST_F(ViewBadFiles, ViewsThatHaveNoNumbersAreUsageErrors) {
   const std::string small = room() + " --method constant --samples 1 ";
   view(small + "-o " + path("shown.png"));
   const std::string difference = small + "--debug difference --reference " + path("shown.png");
-  expect_one_line("view --headless -q --size 160x120 " + difference + " -o " + path("d.exr"), 2, "give an .exr reference");
+  expect_one_line("view --headless -q --size 160x120 " + difference + " -o " + path("d.exr"), 2,
+                  "give an .exr reference");
   EXPECT_FALSE(fs::exists(path("d.exr")));
   view(difference + " -o " + path("d.png"));
   EXPECT_TRUE(fs::exists(path("d.png")));

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/scene_builder.h"
 #include "tracer/grid_baker.h"
 
 namespace ivory {
@@ -66,31 +67,6 @@ Mesh inward_box() {
         mesh.triangles.emplace_back(t[0], t[2], t[1]);
       }
     }
-  }
-  return mesh;
-}
-
-// An inward-facing sphere of radius 1, subdivided from an octahedron.
-Mesh inward_sphere(int subdivisions) {
-  Mesh mesh;
-  mesh.material = 0;
-  mesh.positions = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-  mesh.triangles = {{0, 4, 2}, {2, 4, 1}, {1, 4, 3}, {3, 4, 0}, {2, 5, 0}, {1, 5, 2}, {3, 5, 1}, {0, 5, 3}};
-  for (int level = 0; level < subdivisions; ++level) {
-    std::vector<Imath::Vec3<std::uint32_t>> finer;
-    for (const auto& t : mesh.triangles) {
-      const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-        mesh.positions.push_back((mesh.positions[a] + mesh.positions[b]).normalized());
-        return static_cast<std::uint32_t>(mesh.positions.size() - 1);
-      };
-      const std::uint32_t ab = middle(t.x, t.y);
-      const std::uint32_t bc = middle(t.y, t.z);
-      const std::uint32_t ca = middle(t.z, t.x);
-      for (const auto& child : {Imath::Vec3<std::uint32_t>(t.x, ab, ca), Imath::Vec3<std::uint32_t>(ab, t.y, bc),
-                                Imath::Vec3<std::uint32_t>(ca, bc, t.z), Imath::Vec3<std::uint32_t>(ab, bc, ca)})
-        finer.push_back(child);
-    }
-    mesh.triangles = finer;
   }
   return mesh;
 }
@@ -273,7 +249,7 @@ TEST_P(ClosedForm, IntegratingSphere) {
   constexpr double albedo = 0.5;
   constexpr double flux = 40;
   const auto intensity = float(flux / (4 * double(pi)));
-  Mesh sphere = inward_sphere(4);
+  Mesh sphere = make_inward_sphere(4, 0);
   double area = 0;
   for (const auto& t : sphere.triangles)
     area += (V3d(sphere.positions[t.y]) - V3d(sphere.positions[t.x]))

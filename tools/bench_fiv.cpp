@@ -75,16 +75,6 @@ std::vector<Case> make_cases(const FivOccluder& occluder) {
           {"forty", wider, strewn()}};
 }
 
-FivTable first_hemisphere(const FivTable& six) {
-  FivTable one = six;
-  one.hemispheres = 1;
-  one.values.clear();
-  for (std::size_t i = 0; i < fiv_sample_count(six); ++i)
-    one.values.insert(one.values.end(), six.values.begin() + std::ptrdiff_t(36 * i),
-                      six.values.begin() + std::ptrdiff_t(36 * i + 9));
-  return one;
-}
-
 CubeMap make_light(const BenchFivOptions& options) {
   if (options.light == "one") return one_light(32);
   if (options.light == "two") return two_area_lights(32);

@@ -212,14 +212,9 @@ class Folder {
 Json load_times(const RuntimeBenchAssets& assets, std::string& text) {
   const Folder folder;
   write_vdb(folder / "grid.vdb", assets.grid, false);
-  FivTable six = resampled(assets.table, {256, 129, 30});
+  const FivTable six = resampled(assets.table, {256, 129, 30});
   write_fiv(folder / "six.exr", six, ExrPrecision::float32, false);
-  FivTable one = six;
-  one.hemispheres = 1;
-  one.values.clear();
-  for (std::size_t i = 0; i < fiv_sample_count(six); ++i)
-    one.values.insert(one.values.end(), six.values.begin() + std::ptrdiff_t(36 * i),
-                      six.values.begin() + std::ptrdiff_t(36 * i + 9));
+  const FivTable one = first_hemisphere(six);
   write_fiv(folder / "one.exr", one, ExrPrecision::float32, false);
   const auto tables = [](const std::string& path) { return load_fiv_tables(std::array{path}); };
   const V3i& size = assets.grid.frame.size;

@@ -47,16 +47,6 @@ FivParams table_params(const V3i& samples) {
   return params;
 }
 
-FivTable with_one_hemisphere(const FivTable& six) {
-  FivTable one = six;
-  one.hemispheres = 1;
-  one.values.clear();
-  for (std::size_t i = 0; i < fiv_sample_count(six); ++i)
-    one.values.insert(one.values.end(), six.values.begin() + std::ptrdiff_t(36 * i),
-                      six.values.begin() + std::ptrdiff_t(36 * i + 9));
-  return one;
-}
-
 std::vector<StabilityPoint> fiv_hard_light(const StabilityParams& params) {
   const FivOccluder occluder = make_fiv_occluder(bracket_scene());
   constexpr int size = 32;  // a texel is 2.8 degrees wide
@@ -90,7 +80,7 @@ FivTable ball_table(const V3i& samples) {
 
 std::vector<StabilityPoint> fiv_straddling(const StabilityParams&) {
   const FivTable six = ball_table({24, 13, 12});
-  const FivTable one = with_one_hemisphere(six);
+  const FivTable one = first_hemisphere(six);
   constexpr double distance = 1.5;
   // Directions in which interpolation errs differently are averaged over.
   constexpr int directions = 24;

@@ -61,30 +61,6 @@ IrradianceGrid bake_all_light(const StabilityWorld& world, GridBakeParams params
   return finish(bake_grid_sums(*world.intersector, *world.lights, params));
 }
 
-Mesh make_inward_sphere(int subdivisions, int material) {
-  Mesh mesh;
-  mesh.material = material;
-  mesh.positions = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
-  mesh.triangles = {{0, 4, 2}, {2, 4, 1}, {1, 4, 3}, {3, 4, 0}, {2, 5, 0}, {1, 5, 2}, {3, 5, 1}, {0, 5, 3}};
-  for (int level = 0; level < subdivisions; ++level) {
-    std::vector<Imath::Vec3<std::uint32_t>> finer;
-    for (const auto& t : mesh.triangles) {
-      const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-        mesh.positions.push_back((mesh.positions[a] + mesh.positions[b]).normalized());
-        return static_cast<std::uint32_t>(mesh.positions.size() - 1);
-      };
-      const std::uint32_t ab = middle(t.x, t.y);
-      const std::uint32_t bc = middle(t.y, t.z);
-      const std::uint32_t ca = middle(t.z, t.x);
-      for (const auto& child : {Imath::Vec3<std::uint32_t>(t.x, ab, ca), Imath::Vec3<std::uint32_t>(ab, t.y, bc),
-                                Imath::Vec3<std::uint32_t>(ca, bc, t.z), Imath::Vec3<std::uint32_t>(ab, bc, ca)})
-        finer.push_back(child);
-    }
-    mesh.triangles = finer;
-  }
-  return mesh;
-}
-
 double surface_area_m2(const Mesh& mesh) {
   double area = 0;
   for (const auto& t : mesh.triangles) {

@@ -43,8 +43,6 @@ double mean_share(const StabilityWorld& world, const IrradianceGrid& grid, Guard
 // Photons that hold all light (direct light included), so that closed forms apply; guard `rays` stores the planes too.
 IrradianceGrid bake_all_light(const StabilityWorld& world, GridBakeParams params);
 
-// Closed sphere of radius 1 about the origin, fronts inward, of 8 * 4^subdivisions triangles.
-Mesh make_inward_sphere(int subdivisions, int material);
 double surface_area_m2(const Mesh& mesh);
 
 // E at p with normal n from a polygon of radiance 1 that is above p's horizon as a whole (Lambert's formula);
