@@ -220,7 +220,7 @@ TEST_F(RuntimeCubemap, LoadsFilesAndRefusesBadOnesWithoutLeavingObjects) {
   refused("");
   refused("no picture at all, but a file of text that someone dropped");
   EXPECT_NE(error_of(testing::TempDir() + "no such file.exr"), "");
-  // More texels than a buffer texture must hold: this context's limit is asked for.
+  // Corners that neighbours disagree about, and light that is no number.
   LocalizedCube broken = cube;
   broken.corners[7][2] *= 2;
   EXPECT_THROW(upload(broken), Error);
