@@ -60,7 +60,10 @@ struct LitPoint {
   Rgb at(const LobeReflectance& r, const LobeParams& params, std::uint64_t stream = 0,
          const V3f& p = V3f(0, 0, 0)) const {
     RandomStream random(3, StreamPurpose::test, stream);
-    return lobe_direct_light(lobes, *intersector, p, V3f(0, 1, 0), r, params, random);
+    Surface surface;
+    surface.p = p;
+    surface.ng = V3f(0, 1, 0);
+    return lobe_direct_light(lobes, *intersector, surface, r, params, random);
   }
 };
 
@@ -234,7 +237,7 @@ TEST(LobeDirect, TwinOnTheMeshAgreesWithThePathTracer) {
     Accumulator twin;
     Accumulator path;
     for (int i = 0; i < 4000; ++i) {
-      twin.add(double(lobe_direct_light(lobes, intersector, surface.p, surface.ng, r, params, random).y));
+      twin.add(double(lobe_direct_light(lobes, intersector, surface, r, params, random).y));
       for (int k = 0; k < 4; ++k) path.add(double(trace_path(intersector, lights, ray, direct, random).y));
     }
     // 0.2 % beside: the light's mesh is a ball to 0.1 %.

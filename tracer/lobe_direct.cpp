@@ -11,9 +11,10 @@ namespace {
 
 // Monte Carlo: directions uniform over the cap, one in each of rows x columns strata,
 //   L = solid angle / n  sum f(w) cos V(w).
-Rgb by_rays(const Intersector& intersector, const Sphere& light, const LightCap& cap, const V3f& p, const V3f& ng,
+Rgb by_rays(const Intersector& intersector, const Sphere& light, const LightCap& cap, const Surface& surface,
             const LobeReflectance& reflectance, std::span<const Sphere> near, const LobeParams& params,
             RandomStream& random) {
+  const V3f& p = surface.p;
   const float light_power = power(light, p);
   // As square as the count allows; a prime is a row.
   int rows = int(std::sqrt(float(params.shadow_rays)));
@@ -36,7 +37,7 @@ Rgb by_rays(const Intersector& intersector, const Sphere& light, const LightCap&
     const float stretch = std::sqrt(cap.height * (2 - versine));
     const V3f w = (cap.x * (x * stretch) + cap.y * (y * stretch) + cap.z * (1 - versine)).normalized();
     const Rgb f = eval(reflectance, w);
-    const bool below = ng.dot(w) <= 0;  // of the surface itself, where shading normals say otherwise
+    const bool below = surface.ng.dot(w) <= 0;  // of the surface itself, where shading normals say otherwise
     if (is_black(f) || (below && params.shadows == LobeShadows::mesh)) continue;
     float visible = 1;
     if (params.shadows == LobeShadows::spheres) {
@@ -44,7 +45,7 @@ Rgb by_rays(const Intersector& intersector, const Sphere& light, const LightCap&
       if (std::any_of(near.begin(), near.end(), hides)) visible = 0;
     } else {
       Ray ray;
-      ray.origin = offset_origin(p, ng, w);
+      ray.origin = offset_origin(p, surface.ng, w, surface.reach_m);
       ray.direction = w;
       // To the ball, short of it by more than its mesh stands out of it.
       const V3f d = light.center - ray.origin;
@@ -61,9 +62,10 @@ Rgb by_rays(const Intersector& intersector, const Sphere& light, const LightCap&
 
 }  // namespace
 
-Rgb lobe_direct_light(const LobeScene& lobes, const Intersector& intersector, const V3f& p, const V3f& ng,
+Rgb lobe_direct_light(const LobeScene& lobes, const Intersector& intersector, const Surface& surface,
                       const LobeReflectance& reflectance, const LobeParams& params, RandomStream& random) {
   const bool by_products = params.shadows == LobeShadows::lobes || params.shadows == LobeShadows::none;
+  const V3f& p = surface.p;
   Rgb sum(0, 0, 0);
   if (by_products) {
     static const SphereGroups nothing;
@@ -85,7 +87,7 @@ Rgb lobe_direct_light(const LobeScene& lobes, const Intersector& intersector, co
     const LightCap cap = make_light_cap(light, p);
     near.clear();
     if (params.shadows == LobeShadows::spheres) find_hiding(lobes.occluders, make_cone(cap, p), near);
-    sum += source.radiance_nits * by_rays(intersector, light, cap, p, ng, reflectance, near, params, random);
+    sum += source.radiance_nits * by_rays(intersector, light, cap, surface, reflectance, near, params, random);
   }
   return sum;
 }
@@ -99,7 +101,7 @@ Film render_lobes(const LobeScene& lobes, const Intersector& intersector, const 
     const Surface surface = make_surface(scene, ray, *hit);
     const V3f wo = -ray.direction;
     const LobeReflectance reflectance = make_lobe_reflectance(scene, *hit, surface, wo);
-    return surface.emission + lobe_direct_light(lobes, intersector, surface.p, surface.ng, reflectance, params, random);
+    return surface.emission + lobe_direct_light(lobes, intersector, surface, reflectance, params, random);
   });
 }
 

@@ -26,10 +26,11 @@ struct LobeScene {
   SphereGroups occluders;  // the sphere sets', placed, and the lights themselves
 };
 
-// Radiance in nits that `reflectance` sends on from the lights, seen from p with geometric normal ng.
-// `random` is drawn from by the Monte Carlo twin alone. Lights that hold p give nothing; spheres that hold p cast no
-// shadow there.
-Rgb lobe_direct_light(const LobeScene& lobes, const Intersector& intersector, const V3f& p, const V3f& ng,
+// Radiance in nits that `reflectance` sends on from the lights; of the surface, only place, geometric normal and reach
+// are read.
+// `random` is drawn from by the Monte Carlo twin alone. Lights that hold the place give nothing; spheres that hold it
+// cast no shadow there.
+Rgb lobe_direct_light(const LobeScene& lobes, const Intersector& intersector, const Surface& surface,
                       const LobeReflectance& reflectance, const LobeParams& params, RandomStream& random);
 
 // What the eye sees: emission and direct light of the first surface.

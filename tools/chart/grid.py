@@ -62,12 +62,12 @@ class Scene:
         return Step(("render", self.file, *self.options, "--method", method, "--samples", samples, "--size", self.size,
                      "--indirect-only", *options, Out("exr")), timed=True)
 
-    def point(self, series, label, picture, bake=None, join=True):
+    def point(self, series, label, picture, bake=None, join=True, method=""):
         compare = Step(("compare", picture, *self.references))
         steps = [s for s in (bake, picture, compare) if s]
 
         def measure(run):
-            return {**errors(run.result(compare)),
+            return {**errors(run.result(compare)), "method": method or series,
                     "memory_bytes": run.result(bake)["memory_bytes"] if bake else run.result(picture).get("map_bytes", 0)}
 
         return Point("grid", self.name, series, label, steps, measure, join)
@@ -91,28 +91,32 @@ def scene_points(scene, suite):
         yield scene.point("photon map behind 16 gather rays", n,
                           scene.render("photonmap", GATHER_SAMPLES, "--photons", n, "--gather", 16))
 
-    def direct(series, label, bake, *options, join=False):
-        return scene.point(series, label, scene.render("direct", DIRECT_SAMPLES, "--grid", bake, *options), bake, join)
+    def direct(series, label, bake, *options, join=False, method=""):
+        return scene.point(series, label, scene.render("direct", DIRECT_SAMPLES, "--grid", bake, *options), bake, join, method)
 
     for vertices, photons in plan(suite):
         for n in photons:
-            yield direct(f"grid, {vertices} vertices", n, scene.bake(vertices, n), join=True)
+            yield direct(f"grid, {vertices} vertices", n, scene.bake(vertices, n), join=True, method="grid as it comes")
     for vertices, photons in ((16, "500k"), (32, "2m")) if full else ((16, "400k"),):
         bake = scene.bake(vertices, photons)
         for rays in (4, 16, 64) if full else (4, 16):
             yield scene.point(f"grid, {vertices} vertices, behind gather rays", str(rays),
                               scene.render("gather", GATHER_SAMPLES, "--gather", rays, "--grid", bake), bake)
 
-    vertices, photons = (32, "2m") if full else (16, "400k")
-    bake = scene.bake(vertices, photons)
-    for estimator in ("face", "face_paper"):
-        yield direct("other estimators", estimator, scene.bake(vertices, photons, "--estimator", estimator))
-    for basis in ("vectors9", "sh9", "ambient_cube", "sh4"):
-        yield direct("other bases", basis, scene.bake(vertices, photons, "--basis", basis))
-    yield direct("paper's remap", f"{vertices}", bake, "--reconstruction", "paper")
-    yield direct("tricubic", f"{vertices}", bake, "--interpolation", "tricubic")
-    yield direct("guard by planes", f"{vertices}", bake, "--guard", "planes")
-    yield direct("no guard", f"{vertices}", scene.bake(vertices, photons, "--guard", "off"), "--guard", "off")
+    # Where the photons' noise is the larger part of the error, and where the grid's own is.
+    for vertices, photons in ((32, "2m"), (16, "8m")) if full else ((16, "400k"),):
+        def changed(what, bake_options=(), read_options=(), vertices=vertices, photons=photons):
+            return direct(f"{vertices} vertices, {photons}, but", what, scene.bake(vertices, photons, *bake_options), *read_options,
+                          method=f"grid, {what}")
+
+        for estimator in ("face", "face_paper"):
+            yield changed(f"estimator {estimator}", ("--estimator", estimator))
+        for basis in ("vectors9", "sh9", "ambient_cube", "sh4"):
+            yield changed(f"basis {basis}", ("--basis", basis))
+        yield changed("paper's remap", (), ("--reconstruction", "paper"))
+        yield changed("tricubic", (), ("--interpolation", "tricubic"))
+        yield changed("guard by planes", (), ("--guard", "planes"))
+        yield changed("no guard", ("--guard", "off"), ("--guard", "off"))
 
 
 def points(suite, inputs, runner):

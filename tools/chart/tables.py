@@ -68,15 +68,15 @@ def front_table(records):
 
 
 def never_on_front(records):
-    """Of each series: in how many panels it is on the front of error against time, and against memory; in Markdown."""
+    """Of each method: in how many panels it is on the front of error against time, and against memory; in Markdown."""
     panels = list(dict.fromkeys(r["panel"] for r in records))
     rows = []
-    for series in dict.fromkeys(r["series"] for r in records):
-        where = [p for p in panels if any(r["panel"] == p and r["series"] == series for r in records)]
-        cells = [sum(series in {r["series"] for r in pareto([r for r in records if r["panel"] == p], x, "nrmse")} for p in where)
+    for method in dict.fromkeys(r["method"] for r in records):
+        where = [p for p in panels if any(r["panel"] == p and r["method"] == method for r in records)]
+        cells = [sum(method in {r["method"] for r in pareto([r for r in records if r["panel"] == p], x, "nrmse")} for p in where)
                  for x in ("time_s", "memory_bytes")]
-        stored = any(r["memory_bytes"] > 0 for r in records if r["series"] == series)
-        rows.append((series, f"{cells[0]} of {len(where)}", f"{cells[1]} of {len(where)}" if stored else "stores nothing"))
+        stored = any(r["memory_bytes"] > 0 for r in records if r["method"] == method)
+        rows.append((method, f"{cells[0]} of {len(where)}", f"{cells[1]} of {len(where)}" if stored else "stores nothing"))
     rows.sort(key=lambda row: -int(row[1].split()[0]))
     return markdown(("method", "scenes where it is on the front by time", "by memory"), rows)
 
