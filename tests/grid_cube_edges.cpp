@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "grid/cube_edges.h"
-#include "tests/cube_builder.h"
+#include "tools/stability/cube_builder.h"
 
 namespace ivory {
 namespace {

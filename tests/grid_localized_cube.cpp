@@ -9,7 +9,7 @@
 
 #include "grid/error.h"
 #include "grid/localized_cube.h"
-#include "tests/cube_builder.h"
+#include "tools/stability/cube_builder.h"
 
 namespace ivory {
 namespace {

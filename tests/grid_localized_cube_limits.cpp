@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "grid/localized_cube.h"
-#include "tests/cube_builder.h"
+#include "tools/stability/cube_builder.h"
 
 namespace ivory {
 namespace {

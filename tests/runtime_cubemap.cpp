@@ -10,8 +10,8 @@
 #include "grid/fast_angle.h"
 #include "grid/io_localized_cube.h"
 #include "runtime/localized_cube.h"
-#include "tests/cube_builder.h"
 #include "tests/runtime_twin.h"
+#include "tools/stability/cube_builder.h"
 
 namespace ivory {
 namespace {

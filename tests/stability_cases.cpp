@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "grid/error.h"
-#include "tools/stability.h"
+#include "tools/stability/stability.h"
 
 namespace ivory {
 

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/view_camera.h"
+#include "tools/view/camera.h"
 #include "tracer/camera.h"
 
 namespace ivory {

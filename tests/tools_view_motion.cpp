@@ -7,9 +7,9 @@
 
 #include "grid/error.h"
 #include "tests/command_test.h"
-#include "tools/view_controls.h"
-#include "tools/view_drag.h"
-#include "tools/view_path.h"
+#include "tools/view/controls.h"
+#include "tools/view/drag.h"
+#include "tools/view/path.h"
 
 namespace ivory {
 namespace {

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/scene_builder.h"
+#include "tools/stability/scene_builder.h"
 #include "tracer/grid_baker.h"
 
 namespace ivory {

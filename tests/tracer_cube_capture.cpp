@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/scene_builder.h"
+#include "tools/stability/scene_builder.h"
 #include "tracer/cube_capture.h"
 #include "tracer/probe.h"
 

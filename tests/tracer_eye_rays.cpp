@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/scene_builder.h"
+#include "tools/stability/scene_builder.h"
 #include "tracer/intersector.h"
 
 namespace ivory {

@@ -8,7 +8,7 @@
 
 #include "grid/error.h"
 #include "grid/fiv_light.h"
-#include "tests/fiv_shapes.h"
+#include "tools/stability/fiv_shapes.h"
 #include "tracer/fiv_baker.h"
 #include "tracer/fiv_directions.h"
 #include "tracer/fiv_gather.h"

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "grid/fiv_light.h"
-#include "tests/fiv_shapes.h"
+#include "tools/stability/fiv_shapes.h"
 #include "tracer/fiv_baker.h"
 #include "tracer/fiv_fit.h"
 

@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "grid/error.h"
-#include "tests/scene_builder.h"
 #include "tests/statistics.h"
+#include "tools/stability/scene_builder.h"
 #include "tracer/alias_table.h"
 #include "tracer/environment.h"
 #include "tracer/lights.h"

@@ -7,8 +7,8 @@
 
 #include "grid/error.h"
 #include "tests/gltf_builder.h"
-#include "tests/scene_builder.h"
 #include "tests/statistics.h"
+#include "tools/stability/scene_builder.h"
 #include "tracer/gltf_loader.h"
 #include "tracer/lobe_direct.h"
 #include "tracer/path_tracer.h"

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/scene_builder.h"
+#include "tools/stability/scene_builder.h"
 #include "tracer/cube_capture.h"
 #include "tracer/object_light.h"
 #include "tracer/path_tracer.h"

@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include "grid/error.h"
-#include "tests/fiv_shapes.h"
-#include "tests/scene_builder.h"
 #include "tests/statistics.h"
+#include "tools/stability/fiv_shapes.h"
+#include "tools/stability/scene_builder.h"
 #include "tracer/photon_map.h"
 #include "tracer/photon_tracer.h"
 #include "tracer/probe.h"

@@ -11,8 +11,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/scene_builder.h"
 #include "tests/statistics.h"
+#include "tools/stability/scene_builder.h"
 #include "tracer/grid_baker.h"
 #include "tracer/probe.h"
 

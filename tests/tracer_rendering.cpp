@@ -8,8 +8,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/scene_builder.h"
 #include "tests/statistics.h"
+#include "tools/stability/scene_builder.h"
 #include "tracer/final_gather.h"
 #include "tracer/path_tracer.h"
 #include "tracer/probe.h"

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "grid/error.h"
-#include "tests/scene_builder.h"
+#include "tools/stability/scene_builder.h"
 #include "tracer/sphere_fit.h"
 #include "tracer/sphere_light.h"
 #include "tracer/winding_number.h"

@@ -1,0 +1,246 @@
+// Numbers at the ends of their range: half floats, scenes of a millimetre and of ten kilometres, geometry far from the
+// origin.
+#include <algorithm>
+#include <cmath>
+
+#include <half.h>
+
+#include "grid/localized_cube.h"
+#include "tools/stability/cube_builder.h"
+#include "tools/stability/scenes.h"
+#include "tools/stability/stability.h"
+
+namespace ivory {
+namespace {
+
+constexpr double pi_d = 3.14159265358979323846;
+
+float through_half(float x) { return float(Imath::half(x)); }
+
+// Twelve functions stored as halves, in units of `unit` lux: light of 1 lux from one side over a uniform
+// background, scaled to E lux. The worst relative error of E(n) over normals that see at least a tenth of E.
+double half_error(double e, double unit) {
+  const V3f w = V3f(0.43F, 0.61F, 0.67F).normalized();
+  std::array<float, 36> moments{};
+  std::array<float, 36> stored{};
+  for (std::size_t f = 0; f < 12; ++f) {
+    const std::size_t row = f / 3;  // F, D_x, D_y, D_z
+    const auto j = unsigned(f % 3);
+    double value = 0.5 * double(w[j]);
+    if (row == j + 1) value += 0.5;  // uniform light: D_jj = 2 E
+    for (std::size_t c = 0; c < 3; ++c) {
+      moments[3 * f + c] = float(value * e);
+      stored[3 * f + c] = through_half(float(value * e / unit));
+    }
+  }
+  double worst = 0;
+  constexpr int normals = 500;
+  for (int i = 0; i < normals; ++i) {
+    const double y = 1 - 2 * (i + 0.5) / normals;
+    const double phi = i * 2.399963229728653;
+    const double s = std::sqrt(1 - y * y);
+    const V3f n(V3d(s * std::cos(phi), y, s * std::sin(phi)));
+    const auto exact = double(irradiance(Basis::vectors, Reconstruction::optimal, moments.data(), n).x);
+    if (exact < 0.1 * e) continue;
+    const double read = double(irradiance(Basis::vectors, Reconstruction::optimal, stored.data(), n).x) * unit;
+    // Halves beyond 65504 are infinite: nothing is left of E.
+    worst = std::max(worst, std::isfinite(read) ? std::abs(read / exact - 1) : 1.0);
+  }
+  return std::min(worst, 1.0);
+}
+
+double power_of_two_above(double x) { return std::exp2(std::ceil(std::log2(x))); }
+
+std::vector<StabilityPoint> float16_range(const StabilityParams&) {
+  std::vector<StabilityPoint> points;
+  // As grids are uploaded: the brightest value of all comes to 32768 or below.
+  constexpr double greatest_stored = 32768;
+  const double daylight = power_of_two_above(1e5 / greatest_stored);
+  for (int decade = -6; decade <= 6; ++decade) {
+    const double e = std::pow(10, decade);
+    points.push_back({"no scale", e, half_error(e, 1), {}});
+    // Half rounds to 2^-11, and E(n) of the direct part's far side is a difference of larger numbers.
+    points.push_back({"scaled to the brightest", e, half_error(e, power_of_two_above(e / greatest_stored)), 3e-3});
+    if (e > 1e5) continue;
+    // Below 2^-14 units halves are subnormal: multiples of 2^-24 units.
+    points.push_back({"beside 100,000 lux in one grid", e, half_error(e, daylight),
+                      std::min(1.0, 3e-3 + 10 * std::exp2(-24) * daylight / e)});
+  }
+  return points;
+}
+
+IrradianceGrid bake_chambers(const StabilityWorld& world, const StabilityParams& params, const Chambers& chambers) {
+  GridBakeParams bake;
+  bake.voxel_size_m = chambers.side_m / 12;
+  bake.photons = params.quick ? 30'000 : 100'000;
+  return bake_all_light(world, bake);
+}
+
+// Errors of everything that reads the chambers, placed by to_world: grid and paths before the wall, leaks behind it,
+// and a cube map of uniform light.
+void add_chamber_errors(const Chambers& chambers, const StabilityParams& params, double x, std::optional<double> lit,
+                        std::optional<double> leak, std::vector<StabilityPoint>& points) {
+  const StabilityWorld world(make_chambers(chambers));
+  const IrradianceGrid grid = bake_chambers(world, params, chambers);
+  const auto bright = lit_wall_points(chambers, 10);
+  const auto dark = dark_wall_points(chambers, 10);
+  const auto finite = [](double error) { return std::isfinite(error) ? error : 1.0; };
+  points.push_back({"grid, rays", x, finite(std::abs(mean_share(world, grid, Guard::rays, bright) - 1)), lit});
+  points.push_back({"grid, leak by rays", x, finite(mean_share(world, grid, Guard::rays, dark)), leak});
+  points.push_back({"grid, leak by planes", x, finite(mean_share(world, grid, Guard::planes, dark)), leak});
+  ProbeParams probe;
+  probe.samples = params.quick ? 16 : 256;
+  const auto mean = [&](const std::vector<ProbePoint>& at) {
+    double sum = 0;
+    for (const ProbeResult& r : probe_scene(*world.scene, *world.intersector, *world.lights, at, probe))
+      sum += double(r.e.x) / double(at.size()) / double(chamber_irradiance);
+    return sum;
+  };
+  points.push_back({"path", x, finite(std::abs(mean(bright) - 1)), lit});
+  points.push_back({"path, leak", x, finite(mean(dark)), leak});
+}
+
+// The same scene from a millimetre to ten kilometres, and beyond.
+std::vector<StabilityPoint> scene_scale(const StabilityParams& params) {
+  std::vector<StabilityPoint> points;
+  for (const double side : {1e-6, 1e-5, 1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0, 1e3, 1e4, 1e6}) {
+    Chambers chambers;
+    chambers.side_m = float(side);
+    chambers.thickness_m = float(0.01 * side);
+    // Turned, so that no coordinate is exact, and the wall passes the origin, where coordinates are small but the
+    // triangles' rounding is not.
+    chambers.to_world.setAxisAngle(V3f(0.3F, 1, 0.5F).normalized(), 0.5F);
+    // 60,000 photons or 1600 paths, and vertices that share photons: 1 % each.
+    add_chamber_errors(chambers, params, side, 0.04, 1e-3, points);
+    const V3f origin(V3d(0.1, -0.2, 0.15) * side);
+    const LocalizedCube cube = make_cube(
+        4, origin, box_around(V3d(-0.5, -0.5, -0.5) * side - V3d(origin), V3d(0.5, 0.5, 0.5) * side - V3d(origin)),
+        white);
+    double worst = 0;
+    for (int i = 0; i < 64; ++i) {
+      const V3d p = V3d(0.49 * std::sin(i * 1.3), 0.49 * std::sin(i * 2.1), 0.49 * std::sin(i * 3.7)) * side;
+      const V3f n = V3f(V3d(std::sin(i * 0.7), std::cos(i * 0.7), std::sin(i * 1.9))).normalized();
+      worst = std::max(worst, std::abs(double(irradiance(cube, CubeMethod::polygon, V3f(p), n).x) / pi_d - 1));
+    }
+    points.push_back({"cube map, polygons", side, worst, 1e-3});
+  }
+  return points;
+}
+
+// The room of 2 m moved away from the origin, where single precision places points 2^-24 of the distance apart.
+std::vector<StabilityPoint> far_from_origin(const StabilityParams& params) {
+  std::vector<StabilityPoint> points;
+  for (const double distance : {0.0, 1.0, 10.0, 100.0, 1e3, 3e3, 1e4, 1e5, 1e6}) {
+    Chambers chambers;
+    chambers.thickness_m = 0.02F;
+    chambers.to_world.setTranslation(V3f(V3d(0.62, 0.35, -0.7) * distance));
+    const bool bounded = distance <= 1e4;
+    add_chamber_errors(chambers, params, distance, bounded ? std::optional(0.04) : std::nullopt,
+                       bounded ? std::optional(1e-3) : std::nullopt, points);
+  }
+  return points;
+}
+
+// A sloping ground of two triangles through the origin, whose corners are far while its points are near: where rounding
+// puts a point below the ground, its rays meet the ground again. A sky of 1 nit gives E = pi on it. What
+// the ground throws back of a lamp's light goes up: none may arrive below it.
+std::vector<StabilityPoint> sloping_ground(const StabilityParams& params) {
+  std::vector<StabilityPoint> points;
+  M44f slope;
+  slope.setAxisAngle(V3f(0.3F, 1, 0.5F).normalized(), 0.5F);
+  V3f up;
+  slope.multDirMatrix(V3f(0, 1, 0), up);
+  up.normalize();
+  for (const float half : {1.0F, 10.0F, 100.0F, 1e3F, 1e4F, 1e5F}) {
+    const auto ground = [&] {
+      Scene scene;
+      scene.name = "sloping ground";
+      const int grey = add_lambert(scene, Rgb(0.5F, 0.5F, 0.5F));
+      add_mesh(scene, make_quad({-0.7F * half, 0, -1.1F * half}, {0, 0, 2 * half}, {2 * half, 0, 0}, grey), slope);
+      return scene;
+    };
+    Scene sky = ground();
+    sky.environment = uniform_environment(Rgb(1, 1, 1));
+    const StabilityWorld under_sky(std::move(sky));
+    std::vector<ProbePoint> probes;
+    for (int i = 0; i < 64; ++i)
+      probes.push_back({V3f(0.5F * std::sin(float(i) * 1.3F), 0, 0.5F * std::sin(float(i) * 2.1F)) * slope, up});
+    ProbeParams probe;
+    probe.samples = params.quick ? 64 : 1024;
+    double e = 0;
+    for (const ProbeResult& r : probe_scene(*under_sky.scene, *under_sky.intersector, *under_sky.lights, probes, probe))
+      e += double(r.e.x) / double(probes.size());
+    // No path may be shadowed; 4096 of them measure E to 0.1 %.
+    points.push_back({"path, E of the sky", double(half), std::abs(e / pi_d - 1), 4e-3});
+
+    Scene lamp = ground();
+    lamp.lights.push_back(PointLight{up, Rgb(1, 1, 1)});
+    const StabilityWorld under_lamp(std::move(lamp));
+    GridBakeParams bake;
+    GridFrame frame;
+    frame.size = V3i(6, 6, 6);
+    frame.spacing_m = V3f(0.2F, 0.2F, 0.2F);
+    frame.origin_m = V3f(-0.5F, -0.5F, -0.5F);
+    bake.frame = frame;
+    bake.guard = Guard::off;
+    bake.photons = params.quick ? 50'000 : 500'000;
+    const IrradianceGrid grid = finish(bake_grid_sums(*under_lamp.intersector, *under_lamp.lights, bake));
+    double below = 0;
+    double above = 0;
+    for (std::size_t v = 0; v < frame.vertex_count(); ++v) {
+      const V3f index(float(v % 6), float(v / 6 % 6), float(v / 36));
+      const float height = frame.to_world(index).dot(up);
+      const double light = V3d(grid.at(v)[0], grid.at(v)[3], grid.at(v)[6]).length();
+      // Cells reach 0.17 m to either side of their vertex.
+      if (height > 0.2F) above += light;
+      if (height < -0.2F) below += light;
+    }
+    points.push_back({"photons, light under the ground", double(half), below / above, 1e-4});
+  }
+  return points;
+}
+
+}  // namespace
+
+std::vector<StabilityCase> stability_range_cases() {
+  return {
+      {.name = "float16_range",
+       .title = "Irradiance in half floats",
+       .sentence = "Half floats as they are overflow above 65,504 lux and go coarse below 1e-4 lux; scaled by the "
+                   "grid's brightest "
+                   "value, as uploads do, they keep 0.1 % at every level and 1 % of 1e-4 lux beside full daylight: "
+                   "never store light "
+                   "as halves without a scale.",
+       .x_label = "E, lux",
+       .y_label = "worst error of E(n) / E(n)",
+       .log_x = true,
+       .run = float16_range},
+      {.name = "scene_scale",
+       .title = "Scenes of a millimetre and of ten kilometres",
+       .sentence = "Nothing depends on the scene's scale, from a micrometre to a thousand kilometres.",
+       .x_label = "side of the scene, m",
+       .y_label = "error / E",
+       .log_x = true,
+       .run = scene_scale},
+      {.name = "sloping_ground",
+       .title = "Points near the origin on triangles that reach far",
+       .sentence =
+           "Rays leave a triangle of any size from far enough above it not to meet it again: rounding errors of "
+           "its points go with its corners, not with the points.",
+       .x_label = "half side of the ground, m",
+       .y_label = "error / E",
+       .log_x = true,
+       .run = sloping_ground},
+      {.name = "far_from_origin",
+       .title = "Geometry far from the origin",
+       .sentence = "Up to 10 km from the origin a room of 2 m is baked as at the origin; at 100 km single precision "
+                   "can no longer place "
+                   "walls and rays, and E is wrong by tens of per cent: move scenes to the origin before baking.",
+       .x_label = "distance from the origin, m (room of 2 m, wall of 2 cm)",
+       .y_label = "error / E",
+       .log_x = true,
+       .run = far_from_origin},
+  };
+}
+
+}  // namespace ivory

@@ -1,0 +1,56 @@
+// Scenes with closed forms, for the stability suite.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "tools/stability/scene_builder.h"
+#include "tracer/grid_baker.h"
+#include "tracer/guard_rays.h"
+#include "tracer/probe.h"
+
+namespace ivory {
+
+// A scene with its acceleration structure and lights.
+struct StabilityWorld {
+  std::unique_ptr<Scene> scene;
+  std::unique_ptr<Intersector> intersector;
+  std::unique_ptr<Lights> lights;
+
+  explicit StabilityWorld(Scene&& described);
+};
+
+// Two closed boxes beside each other, side_m high and deep and half as wide each, parted by a wall. All faces of the
+// left one emit 1 nit and reflect half of what they receive: a furnace, L = 2 and E = 2 pi at every point of its
+// surfaces. Nothing shines in the right one.
+struct Chambers {
+  float side_m = 2;
+  float thickness_m = 0.1F;  // of the wall
+  float wall_x_m = 0;        // its middle
+  M44f to_world;             // rotation, scale, translation of everything
+};
+inline constexpr float chamber_irradiance = 2 * pi;  // lux, on the lit side
+Scene make_chambers(const Chambers& chambers);
+
+// Points on the wall (world), `count` a side of a square lattice whose lines no grid shares, from edge to edge.
+std::vector<ProbePoint> lit_wall_points(const Chambers& chambers, int count);
+std::vector<ProbePoint> dark_wall_points(const Chambers& chambers, int count);
+
+// Mean E over points over chamber_irradiance, as read from the grid with that guard.
+double mean_share(const StabilityWorld& world, const IrradianceGrid& grid, Guard guard,
+                  const std::vector<ProbePoint>& points);
+
+// Photons that hold all light (direct light included), so that closed forms apply; guard `rays` stores the planes too.
+IrradianceGrid bake_all_light(const StabilityWorld& world, GridBakeParams params);
+
+double surface_area_m2(const Mesh& mesh);
+
+// E at p with normal n from a polygon of radiance 1 that is above p's horizon as a whole (Lambert's formula);
+// whichever way its corners run.
+double polygon_irradiance(const std::vector<V3d>& corners, const V3d& p, const V3d& n);
+
+// E of a ball of radiance 1 whose squared sine of the half-angle is sine2, its centre at `cosine` from the normal;
+// what is below the horizon does not count (form factor of a sphere to a tilted element).
+double ball_irradiance(double cosine, double sine2);
+
+}  // namespace ivory

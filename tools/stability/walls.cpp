@@ -1,0 +1,127 @@
+// Leaks: light that a grid carries through walls that stop it.
+#include <algorithm>
+#include <cmath>
+
+#include "tools/stability/scenes.h"
+#include "tools/stability/stability.h"
+
+namespace ivory {
+namespace {
+
+constexpr int cells = 14;  // along a side of the chambers: the wall of 0.1 m is thinner than a voxel
+constexpr int lattice = 12;
+
+M44f rotation(float degrees) {
+  M44f turn;
+  turn.setAxisAngle(V3f(0.3F, 1, 0.5F).normalized(), degrees * pi / 180);
+  return turn;
+}
+
+GridBakeParams bake_params(const StabilityParams& params, Guard guard) {
+  GridBakeParams bake;
+  bake.voxel_size_m = 2.0F / cells;
+  bake.photons = params.quick ? 60'000 : 200'000;
+  bake.guard = guard;
+  return bake;
+}
+
+// What the dark side of the wall reads, as a share of the lit side's E, with each guard; and what the lit side
+// reads less than it should.
+void add_leaks(const Chambers& chambers, const StabilityParams& params, double x, std::vector<StabilityPoint>& points) {
+  const StabilityWorld world(make_chambers(chambers));
+  const auto lit = lit_wall_points(chambers, lattice);
+  const auto dark = dark_wall_points(chambers, lattice);
+  const IrradianceGrid guarded = bake_all_light(world, bake_params(params, Guard::rays));
+  const IrradianceGrid open = bake_all_light(world, bake_params(params, Guard::off));
+  points.push_back({"no guard", x, mean_share(world, open, Guard::off, dark), {}});
+  // 16 bytes hold four planes, which do not cut every corner: 0.0006 at worst. Rays see the very walls.
+  points.push_back({"planes", x, mean_share(world, guarded, Guard::planes, dark), 0.003});
+  points.push_back({"rays", x, mean_share(world, guarded, Guard::rays, dark), 1e-4});
+  // The mean of 144 points that read some hundred vertices of 3 % noise each, in uniform light.
+  points.push_back({"rays, lit side", x, std::abs(mean_share(world, guarded, Guard::rays, lit) - 1), 0.02});
+}
+
+std::vector<StabilityPoint> wall_thickness(const StabilityParams& params) {
+  std::vector<StabilityPoint> points;
+  for (const float thickness : {1e-4F, 1e-3F, 1e-2F, 0.05F, 0.15F, 0.3F}) {
+    Chambers chambers;
+    chambers.thickness_m = thickness;
+    chambers.to_world = rotation(30);
+    add_leaks(chambers, params, double(thickness), points);
+  }
+  return points;
+}
+
+std::vector<StabilityPoint> wall_angle(const StabilityParams& params) {
+  std::vector<StabilityPoint> points;
+  for (const float angle : {0.0F, 1.0F, 5.0F, 15.0F, 30.0F, 45.0F}) {
+    Chambers chambers;
+    chambers.thickness_m = 0.01F;
+    chambers.to_world = rotation(angle);
+    add_leaks(chambers, params, double(angle), points);
+  }
+  return points;
+}
+
+// The wall's lit face swept through a layer of vertices: 0 is exactly on it.
+std::vector<StabilityPoint> vertex_on_wall(const StabilityParams& params) {
+  std::vector<StabilityPoint> points;
+  for (const float offset : {-0.5F, -0.25F, -0.01F, -1e-4F, -1e-6F, 0.0F, 1e-6F, 1e-4F, 0.01F, 0.25F, 0.5F}) {
+    Chambers chambers;
+    chambers.thickness_m = 1.0F / 128;
+    constexpr float spacing = 2.0F / 16;
+    // Vertices stand at odd multiples of half a voxel, all of these exact in binary.
+    constexpr float vertex = spacing / 2;
+    chambers.wall_x_m = vertex + offset * spacing + chambers.thickness_m / 2;
+    const StabilityWorld world(make_chambers(chambers));
+    GridBakeParams bake = bake_params(params, Guard::rays);
+    bake.voxel_size_m = std::nullopt;
+    bake.resolution = V3i(16, 16, 16);
+    const IrradianceGrid guarded = bake_all_light(world, bake);
+    bake.guard = Guard::off;
+    const IrradianceGrid open = bake_all_light(world, bake);
+    const auto lit = lit_wall_points(chambers, lattice);
+    const auto dark = dark_wall_points(chambers, lattice);
+    const auto x = double(offset);
+    points.push_back({"no guard, dark side", x, mean_share(world, open, Guard::off, dark), {}});
+    points.push_back({"no guard, lit side", x, std::abs(mean_share(world, open, Guard::off, lit) - 1), {}});
+    for (const Guard guard : {Guard::planes, Guard::rays}) {
+      const std::string series(name(guard));
+      points.push_back(
+          {series + ", dark side", x, mean_share(world, guarded, guard, dark), guard == Guard::rays ? 1e-4 : 0.003});
+      points.push_back({series + ", lit side", x, std::abs(mean_share(world, guarded, guard, lit) - 1), 0.02});
+    }
+  }
+  return points;
+}
+
+}  // namespace
+
+std::vector<StabilityCase> stability_wall_cases() {
+  return {
+      {.name = "wall_thickness",
+       .title = "Light through walls thinner than a voxel",
+       .sentence = "Without a guard a third of the light passes a wall thinner than a voxel, however thin it is: keep "
+                   "--guard rays, or planes where the scene is not at hand.",
+       .x_label = "thickness of the wall, m (voxel 0.14 m, turned by 30 degrees)",
+       .y_label = "E behind the wall / E before it",
+       .log_x = true,
+       .run = wall_thickness},
+      {.name = "wall_angle",
+       .title = "Light through a thin wall at an angle to the grid",
+       .sentence = "Turning a 1 cm wall against the grid does not help without a guard; with rays nothing leaks at any "
+                   "angle.",
+       .x_label = "angle between wall and grid, degrees",
+       .y_label = "E behind the wall / E before it",
+       .run = wall_angle},
+      {.name = "vertex_on_wall",
+       .title = "Vertices exactly on a wall",
+       .sentence = "A layer of vertices in the plane of a wall belongs to neither side and must be read by neither: "
+                   "guards leave it out; without a guard both sides are wrong wherever the wall stands.",
+       .x_label = "distance of the wall from a layer of vertices, voxels",
+       .y_label = "|error of E| / E before the wall",
+       .run = vertex_on_wall},
+  };
+}
+
+}  // namespace ivory

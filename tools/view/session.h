@@ -1,0 +1,96 @@
+// One run of the viewer: the world, the assets that light it, and the user's choices; with or without a window. All
+// functions need a current OpenGL context.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "runtime/ambient.h"
+#include "tools/common.h"
+#include "tools/environment_input.h"
+#include "tools/view/assets.h"
+#include "tools/view/model.h"
+#include "tools/view/occluders.h"
+#include "tools/view/settings.h"
+#include "tools/view/world.h"
+#include "tracer/film.h"
+
+namespace ivory {
+
+// How an object is lit.
+struct ObjectLight {
+  ViewMethod method = ViewMethod::none;
+  const ViewAsset* asset = nullptr;  // that the method reads
+};
+
+// A picture to compare with.
+struct ReferencePicture {
+  std::string path;
+  Film film;
+  bool is_display = false;  // holds display values (PNG, JPEG), not linear light
+  gl::Texture texture;
+};
+
+struct ViewSession {
+  ViewWorld world;
+  std::vector<GpuModel> models;      // of the world's objects
+  std::vector<ObjectLight> lights;   // of the world's objects
+  std::vector<RuntimeLight> direct;  // of the scene; max_lights at most
+  ViewAssets assets;
+  ViewSettings settings;
+  const ViewAsset* debug_grid = nullptr;  // that debug views show
+  std::optional<ReferencePicture> reference;
+  ViewOccluders occluders;
+  std::vector<std::pair<const ViewAsset*, V3f>> lobes_placed;  // lobe tables and sphere sets, where they were last
+  std::string environment;                                     // name without folders; empty: none
+  std::string environment_hash;                                // of its file
+  std::optional<gl::Texture> sky;
+  std::vector<std::string> notes;  // one line each, for the user: what was left out or chosen
+
+  std::size_t bytes() const;
+};
+
+struct SessionInput {
+  std::string scene;
+  EnvironmentChoice environment;
+  std::string camera;                  // name or index; empty: as ivory render chooses
+  Imath::V2i size{640, 480};           // of the picture
+  std::vector<std::string> objects;    // FILE@X,Y,Z or NODE
+  std::vector<std::string> paths;      // of the objects, in that order
+  std::vector<std::string> assets;     // files of any kind
+  std::vector<std::string> occluders;  // NODE=TABLE.exr: objects and the tables they were baked into
+  std::vector<std::string> spheres;    // sphere sets: FILE.json or FILE.json@X,Y,Z
+  std::vector<SphereLight> sphere_lights;
+};
+
+// Loads all. Throws UsageError and Error as the parts do; nothing is half loaded.
+ViewSession open_session(const SessionInput& input);
+
+// One more file, given or dropped: a model becomes an object, moved to `at` where that is given; an asset is offered;
+// an image of twice its height's width becomes the environment, another, if of `size`, the reference. Throws Error and
+// leaves the session as it was. Returns what it was taken for, for the user.
+std::string add_file(ViewSession& session, const std::string& path, const std::optional<V3f>& at,
+                     const Imath::V2i& size);
+
+void set_reference(ViewSession& session, const std::string& path, const Imath::V2i& size);
+
+// Lights an object by a method, from the first asset that it can read. Throws UsageError where there is none.
+void choose_method(ViewSession& session, std::size_t object, ViewMethod method);
+// What choose_method() would lack, or the debug view; empty for nothing.
+std::string lacks(const ViewSession& session, ViewMethod method);
+std::string lacks(const ViewSession& session, DebugView view);
+
+// Takes an object out; not the scene itself.
+void remove_object(ViewSession& session, std::size_t object);
+
+// Brings what depends on the objects' places up to date: to be called before a frame when they, or the time, changed.
+void place_objects_now(ViewSession& session);
+
+// A grid as the settings read it.
+AmbientSource grid_source(const ViewAsset& asset, const ViewSettings& settings);
+// The source that lights the object now.
+AmbientSource ambient_source(const ViewSession& session, std::size_t object);
+
+}  // namespace ivory
