@@ -59,8 +59,8 @@ TEST_F(ChartCommand, MeasuresGoesOnAndDraws) {
     }
   }
   EXPECT_EQ(points, 4);
-  for (const char* name : {"sh9_order.svg", "sh9_order.png", "index.html"}) EXPECT_GT(read(name).size(), 1000U) << name;
-  const std::string page = read("index.html");
+  for (const char* name : {"sh9_order.svg", "sh9_order.png", "sh9.html"}) EXPECT_GT(read(name).size(), 1000U) << name;
+  const std::string page = read("sh9.html");
   EXPECT_NE(page.find("src=\"data:image/svg+xml;base64,"), std::string::npos);
   EXPECT_EQ(page.find("src=\"sh9"), std::string::npos) << "the page must hold its pictures";
 

@@ -5,35 +5,13 @@
 #include <gtest/gtest.h>
 
 #include "grid/error.h"
-#include "tests/gltf_builder.h"
-#include "tests/scene_check.h"
+#include "tests/gltf_check.h"
 #include "tests/world_triangles.h"
-#include "tracer/gltf_loader.h"
 
 namespace ivory {
 namespace {
 
 using nlohmann::json;
-
-LoadedScene load(const GltfBuilder& builder, const std::string& name) {
-  LoadedScene loaded = load_gltf(builder.write(name));
-  EXPECT_EQ(find_fault(loaded.scene), "");
-  return loaded;
-}
-
-std::string error_of(const GltfBuilder& builder, const std::string& name) {
-  try {
-    load_gltf(builder.write(name));
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
-
-bool has_warning(const LoadedScene& loaded, const std::string& part) {
-  return std::any_of(loaded.warnings.begin(), loaded.warnings.end(),
-                     [&](const std::string& w) { return w.find(part) != std::string::npos; });
-}
 
 V3f front_normal(const Corners& c) {
   const V3f a(c[0][0], c[0][1], c[0][2]);

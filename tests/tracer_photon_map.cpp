@@ -5,23 +5,14 @@
 #include <gtest/gtest.h>
 
 #include "grid/error.h"
-#include "tests/statistics.h"
+#include "tests/lit_scene.h"
 #include "tools/stability/fiv_shapes.h"
-#include "tools/stability/scene_builder.h"
 #include "tracer/photon_map.h"
 #include "tracer/photon_tracer.h"
 #include "tracer/probe.h"
 
 namespace ivory {
 namespace {
-
-struct Lit {
-  Scene scene;
-  Intersector intersector;
-  Lights lights;
-
-  explicit Lit(Scene s) : scene(std::move(s)), intersector(scene), lights(scene, intersector) {}
-};
 
 // A sphere of radius 1, seen from inside, and a light in its middle.
 Scene integrating_sphere(float albedo) {
@@ -52,7 +43,7 @@ double area(const Scene& scene) {
 // counting the rim's photon (1/(K-1) too bright, 11 % at K = 10), or leaving out the photon itself (1/K too dark),
 // fails.
 TEST(PhotonMap, IntegratingSphere) {
-  const Lit lit(integrating_sphere(0.5F));
+  const LitScene lit(integrating_sphere(0.5F));
   const double flux = 4 * double(pi) * 2;  // of the green channel
   const double truth = flux / area(lit.scene) * 0.5 / (1 - 0.5);
   for (const int neighbours : {50, 100}) {
@@ -89,7 +80,7 @@ TEST(PhotonMap, Furnace) {
   scene.name = "furnace";
   const int wall = add_lambert(scene, Rgb(0.6F, 0.6F, 0.6F), Rgb(2, 2, 2));
   add_mesh(scene, make_room(V3f(-1, -1, -1), V3f(1, 1, 1), wall));
-  const Lit lit(std::move(scene));
+  const LitScene lit(std::move(scene));
   const double truth = double(pi) * 2 * 0.6 / (1 - 0.6);
   Accumulator means;
   for (std::uint64_t seed = 1; seed <= 24; ++seed) {
@@ -116,7 +107,7 @@ TEST(PhotonMap, AgreesWithThePathTracerInARoom) {
   const int white = add_lambert(scene, Rgb(0.7F, 0.7F, 0.7F));
   add_mesh(scene, make_room(V3f(-1, -1, -1), V3f(1, 1, 1), white));
   scene.lights.push_back(PointLight{V3f(0.3F, 0.2F, -0.2F), Rgb(1, 1, 1)});
-  const Lit lit(std::move(scene));
+  const LitScene lit(std::move(scene));
   std::vector<ProbePoint> points;
   for (int i = 0; i < 64; ++i)
     points.push_back({V3f(-0.5F + float(i % 8) / 7, -1, -0.5F + float(i / 8) / 7), V3f(0, 1, 0)});
@@ -151,7 +142,7 @@ TEST(PhotonMap, KeepsSidesApart) {
   add_mesh(scene, make_room(V3f(-1, -1, -1), V3f(1, 1, 1), white));
   add_mesh(scene, make_quad(V3f(0, -1, -1), V3f(0, 2, 0), V3f(0, 0, 2), white));
   scene.lights.push_back(PointLight{V3f(0.5F, 0, 0), Rgb(1, 1, 1)});
-  const Lit lit(std::move(scene));
+  const LitScene lit(std::move(scene));
   PhotonMapParams params;
   params.photons = 20'000;
   const PhotonMap map(lit.intersector, lit.lights, params);
@@ -161,7 +152,7 @@ TEST(PhotonMap, KeepsSidesApart) {
 }
 
 TEST(PhotonMap, DoesNotDependOnThreads) {
-  const Lit lit(small_room());
+  const LitScene lit(small_room());
   std::vector<Rgb> results[2];
   for (const int threads : {1, 2}) {
     PhotonMapParams params;
@@ -175,7 +166,7 @@ TEST(PhotonMap, DoesNotDependOnThreads) {
 }
 
 TEST(PhotonMap, ArrivalsEndTheSegments) {
-  const Lit lit(small_room());
+  const LitScene lit(small_room());
   const PhotonTracer tracer(lit.intersector, lit.lights, {});
   std::vector<PhotonSegment> segments;
   std::vector<PhotonArrival> arrivals;
@@ -202,9 +193,9 @@ TEST(PhotonMap, RefusesDarknessAndEndlessMaps) {
   Scene dark;
   dark.name = "dark";
   add_mesh(dark, make_room(V3f(-1, -1, -1), V3f(1, 1, 1), add_lambert(dark, Rgb(0.5F, 0.5F, 0.5F))));
-  const Lit unlit(std::move(dark));
+  const LitScene unlit(std::move(dark));
   EXPECT_THROW(PhotonMap(unlit.intersector, unlit.lights, {}), Error);
-  const Lit lit(small_room());
+  const LitScene lit(small_room());
   PhotonMapParams params;
   params.photons = 100'000'000'000;
   EXPECT_THROW(PhotonMap(lit.intersector, lit.lights, params), Error);

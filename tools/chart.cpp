@@ -101,12 +101,12 @@ void add_chart_command(CLI::App& app, CommonOptions& common) {
       ->add_option_function<std::string>(
           "suite", [arguments](const std::string& suite) { arguments->insert(arguments->begin(), suite); },
           "quick (minutes), full (under two hours on two cores), stability (each place where a method\nfails), or one "
-          "curve: grid, bases, sh9, fiv, cubemap, lobes")
+          "curve: grid, bases, sh9, fiv, cubemap, lobes, rates")
       ->required()
       ->type_name("SUITE");
   command
       ->add_option_function<std::vector<std::string>>("-o,--output", pass("--output"),
-                                                      "Folder for results.jsonl, charts (.svg, .png) and index.html")
+                                                      "Folder for results.jsonl, charts (.svg, .png) and index.html\n(SUITE.html of one curve)")
       ->expected(1)
       ->required()
       ->type_name("FOLDER");

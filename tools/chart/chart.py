@@ -8,12 +8,14 @@ import os
 import sys
 
 import page
+import summary
 import tables
 from inputs import Inputs
 from plot import Figures
 from runner import Failure, Runner
 
-CURVES = ("grid", "bases", "sh9", "fiv", "cubemap", "lobes", "stability")
+CURVES = ("grid", "bases", "sh9", "fiv", "cubemap", "lobes", "rates", "stability")
+WHOLE = ("quick", "full")
 SUITES = {"quick": CURVES, "full": CURVES, "stability": ("stability",)}
 
 
@@ -21,7 +23,7 @@ def parse(arguments):
     parser = argparse.ArgumentParser(prog="ivory chart", description=__doc__)
     parser.add_argument("suite", metavar="SUITE", help="quick (minutes), full (under two hours on two cores), stability, or a curve: " +
                         ", ".join(CURVES))
-    parser.add_argument("-o", "--output", metavar="FOLDER", help="results.jsonl, charts (.svg, .png) and index.html go there")
+    parser.add_argument("-o", "--output", metavar="FOLDER", help="results.jsonl, charts (.svg, .png) and index.html (SUITE.html of one curve) go there")
     parser.add_argument("--list", action="store_true", help="print the points instead of measuring them")
     parser.add_argument("--only", metavar="PATTERN", action="append", default=[],
                         help="only points whose name CURVE/SCENE/SERIES/SETTING matches; * and ? are wild; may be repeated")
@@ -83,7 +85,9 @@ def main(arguments):
     if not all_records:
         raise Failure("nothing was measured; see --list and --only" +
                       ("; --any-build takes what another build of ivory measured" if options.draw else ""))
-    written = page.write(runner.folder, options.suite, sections, inputs.skipped + runner.failed, all_records, runner)
+    written = page.write(runner.folder, options.suite, options.suite in WHOLE, sections, inputs.skipped + runner.failed, all_records, runner)
+    if options.suite in WHOLE:
+        markdown["summary"] = summary.table(all_records)
     kept = os.path.join(runner.folder, "tables.json")
     if os.path.exists(kept):  # those of other curves
         with open(kept, encoding="utf-8") as file:

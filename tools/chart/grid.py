@@ -1,4 +1,5 @@
 """Irradiance-vector grids beside path tracing and a photon map: whole pictures of indirect light."""
+import math
 import re
 
 import tables
@@ -137,20 +138,45 @@ def page_tables(records):
 
 def markdown_tables(records):
     return {"grid_front": tables.front_table(records), "grid_never_on_front": tables.never_on_front(records),
-            "grid_time": time_table(records)}
+            "grid_time": time_table(records), "grid_changes": changes_table(records)}
+
+
+def changes_table(records):
+    """What one thing changed does to error, time and memory, over what the defaults give: geometric mean, least and most over scenes."""
+    def ratios(change, base, figure):
+        logs = [math.log(r[figure] / b[figure]) for r, b in zip(change, base) if r[figure] > 0 and b[figure] > 0]
+        if not logs:
+            return "–"
+        mean, *ends = (tables.number(math.exp(x), 2) for x in (sum(logs) / len(logs), min(logs), max(logs)))
+        return f"{mean} ({ends[0]} to {ends[1]})" if ends[0] != ends[1] else mean
+
+    rows = []
+    for series, label in dict.fromkeys((r["series"], r["label"]) for r in records if r["series"].endswith(", but")):
+        vertices, photons = re.match("([0-9]+) vertices, ([0-9]+[km]?), but", series).groups()
+        change = [r for r in records if (r["series"], r["label"]) == (series, label)]
+        base = [next((b for b in records if b["panel"] == r["panel"] and b["series"] == f"grid, {vertices} vertices" and
+                      b["label"] == photons), r) for r in change]
+        rows.append((label, f"{vertices} vertices, {photons} photons",
+                     *(ratios(change, base, figure) for figure in ("nrmse", "relative_rmse", "time_s", "memory_bytes"))))
+    return tables.markdown(("changed to", "at", "NRMSE ÷", "relative RMSE ÷", "time ÷", "memory ÷"), rows)
+
+
+def path_tracing_seconds(records, nrmse):
+    """Time of path tracing to that error, from its longest run among a scene's records: its error falls with the root of its time."""
+    longest = max((r for r in records if r["series"] == "path tracing"), key=lambda r: r["time_s"])
+    return longest["time_s"] * (longest["nrmse"] / nrmse) ** 2
 
 
 def time_table(records):
-    """Time of path tracing to the error of each grid read directly: a path tracer's error falls with the root of its time."""
+    """Time of path tracing to the error of each grid read directly."""
     rows = []
     for panel in dict.fromkeys(r["panel"] for r in records):
         here = [r for r in records if r["panel"] == panel]
-        paths = max((r for r in here if r["series"] == "path tracing"), key=lambda r: r["time_s"], default=None)
-        if not paths:
+        if not any(r["series"] == "path tracing" for r in here):
             continue
         for r in here:
             if re.fullmatch("grid, [0-9]+ vertices", r["series"]) and r["nrmse"] > 0:
-                same = paths["time_s"] * (paths["nrmse"] / r["nrmse"]) ** 2
+                same = path_tracing_seconds(here, r["nrmse"])
                 rows.append((panel, f"{r['series'][6:]}, {r['label']} photons", tables.seconds(r["time_s"]), tables.percent(r["nrmse"]),
                              tables.seconds(same), tables.number(same / r["time_s"], 2)))
     return tables.markdown(("scene", "grid", "bake + picture", "NRMSE", "path tracing to the same", "ratio"), rows)

@@ -34,8 +34,8 @@ def table(rows, head, front=()):
     return "<table>" + "".join(lines) + "</table>"
 
 
-def write(folder, suite, sections, skipped, records, runner):
-    """sections: [(id, title, about, figures, tables: [(heading, head, rows, front)])]."""
+def write(folder, suite, whole, sections, skipped, records, runner):
+    """index.html of a whole suite, SUITE.html of a part. sections: [(id, title, about, figures, tables: [(heading, head, rows, front)])]."""
     machines = {(r["machine"]["cpu"], r["machine"]["cores"]) for r in records}
     loads = [r["load"] for r in records if r["kind"] == "point" and r["time_s"] > 0]
     builds = sorted({r["build"] for r in records})
@@ -55,7 +55,7 @@ def write(folder, suite, sections, skipped, records, runner):
             out.append(f"<details><summary>{html.escape(heading)}</summary>{table(rows, head, front)}</details>")
     if skipped:
         out.append("<h2>Skipped or failed</h2><ul>" + "".join(f"<li>{html.escape(a)}: {html.escape(b)}</li>" for a, b in skipped) + "</ul>")
-    path = os.path.join(folder, "index.html")
+    path = os.path.join(folder, "index.html" if whole else f"{suite}.html")
     with open(path + ".part", "w", encoding="utf-8") as file:
         file.write("\n".join(out))
     os.replace(path + ".part", path)

@@ -107,8 +107,9 @@ class Figures:
                                          constrained_layout=True)
         series = list(dict.fromkeys(r["series"] for r in records))
         for panel, (x, y) in zip(panels.flat, axes):
+            floor = max((r.get(f"{y}_floor", 0) for r in records), default=0)
             for i, s in enumerate(series):
-                self._line(panel, [r for r in records if r["series"] == s], x, y, s, i)
+                self._line(panel, [r for r in records if r["series"] == s], x, y, s, i, floor)
             self._frame(panel, records, x, y, {**NAMES, **(names or {})})
         for panel in panels.flat[len(axes):]:
             panel.remove()
@@ -120,7 +121,7 @@ class Figures:
         self.save(figure, name, title, caption)
 
     @staticmethod
-    def _line(panel, records, x, y, label, i):
+    def _line(panel, records, x, y, label, i, floor):
         points = sorted((r for r in records if r.get(x, 0) > 0 and r.get(y, 0) > 0), key=lambda r: r[x])
         if not points:
             return
@@ -129,8 +130,13 @@ class Figures:
         colour, mark = COLOURS[i % len(COLOURS)], MARKS[(i + i // len(COLOURS)) % len(MARKS)]
         panel.errorbar(xs, ys, yerr=error if any(error) else None, fmt=mark + ("-" if points[0].get("join", True) else ""), color=colour, markersize=4.5, linewidth=1,
                        elinewidth=0.8, label=label, markerfacecolor=colour if i < len(COLOURS) else "white")
+        # Below what the reference can tell: somewhere under its floor.
+        below = [(r["label"], (r[x], floor / 3)) for r in records if floor > 0 and r.get(x, 0) > 0 and r.get(y) == 0]
+        panel.plot([at[0] for _, at in below], [at[1] for _, at in below], "v", color=colour, markersize=4.5)
         for r, px, py in zip(points, xs, ys):
             panel.annotate(r["label"], (px, py), textcoords="offset points", xytext=(4, 3), fontsize=5.5, color=colour)
+        for text, at in below:
+            panel.annotate(text, at, textcoords="offset points", xytext=(4, 3), fontsize=5.5, color=colour)
 
     @staticmethod
     def _frame(panel, records, x, y, names):
@@ -146,6 +152,23 @@ class Figures:
             panel.plot([r[x] for r in front], [r[y] for r in front], "--", color="black", linewidth=0.9, alpha=0.6, zorder=1)
             panel.plot([r[x] for r in front], [r[y] for r in front], "o", color="black", fillstyle="none", markersize=9,
                        markeredgewidth=0.8, linestyle="none", label="Pareto front", zorder=1)
+
+    def bars(self, name, title, panels):
+        """panels: [(title, x name, log x, [(label, value)])], one bar a label."""
+        figure, axes = pyplot.subplots(len(panels), 1, figsize=(8, sum(0.9 + 0.3 * len(p[3]) for p in panels)), squeeze=False,
+                                       constrained_layout=True)
+        for panel, (subtitle, x_name, log_x, values) in zip(axes.flat, panels):
+            bars = panel.barh([label for label, _ in values], [value for _, value in values], color=COLOURS[0], height=0.6)
+            panel.bar_label(bars, [f"{value:.3g}" for _, value in values], padding=3, fontsize=8)
+            panel.invert_yaxis()
+            panel.grid(axis="y", visible=False)
+            panel.set_title(subtitle, fontsize=9)
+            panel.set_xlabel(x_name)
+            panel.margins(x=0.12)
+            if log_x:
+                panel.set_xscale("log")
+                panel.xaxis.set_major_formatter(ticker.FuncFormatter(plain))
+        self.save(figure, name, title)
 
     def sweep(self, name, title, caption, panels, columns=None, bounds=()):
         """panels: [(title, x name, y name, log x, log y, [(label, xs, ys, errors or None, style)])].
