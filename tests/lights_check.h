@@ -57,4 +57,13 @@ inline void expect_power_and_photons_agree(const Lights& lights, const Rgb& powe
   EXPECT_LT(std::abs(z_score(mean, double(power_lm.x))), z_limit) << label;
 }
 
+inline PointLight point_at(const V3f& p, const Rgb& intensity) { return {p, intensity}; }
+
+inline Scene lamp_scene(bool double_sided, const M44f& to_world = M44f()) {
+  Scene scene;
+  const int lamp = add_lambert(scene, Rgb(0, 0, 0), Rgb(10, 5, 1), double_sided);
+  add_mesh(scene, make_quad({0, 2, 0}, {1, 0, 0}, {0, 0, 3}, lamp), to_world);  // front looks down
+  return scene;
+}
+
 }  // namespace ivory

@@ -6,6 +6,7 @@
 #include "tests/statistics.h"
 #include "tools/stability/scene_builder.h"
 #include "tracer/path_tracer.h"
+#include "tracer/render.h"
 
 namespace ivory {
 
@@ -46,6 +47,14 @@ inline Scene furnace(float albedo, const Rgb& emission) {
   const int wall = add_lambert(scene, Rgb(albedo, albedo, albedo), emission);
   add_mesh(scene, make_room(V3f(-1, -1, -1), V3f(1, 1, 1), wall));
   return scene;
+}
+
+inline View test_view(int width, int height) {
+  Camera camera;
+  camera.to_world[3][1] = 0.2F;
+  camera.to_world[3][2] = 0.9F;
+  camera.yfov_rad = 1.2F;
+  return make_view("test", camera, width, height);
 }
 
 }  // namespace ivory

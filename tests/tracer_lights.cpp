@@ -18,8 +18,6 @@
 namespace ivory {
 namespace {
 
-PointLight point_at(const V3f& p, const Rgb& intensity) { return {p, intensity}; }
-
 TEST(AliasTable, ChoosesInProportionToWeights) {
   std::vector<double> weights;
   for (int i = 0; i < 100; ++i) weights.push_back(i % 7 == 0 ? 0.0 : i * i);

@@ -27,13 +27,6 @@ double corner_form_factor(double a, double b, double h) {
   return (x / sx * std::atan(y / sx) + y / sy * std::atan(x / sy)) / (2 * double(pi));
 }
 
-Scene lamp_scene(bool double_sided, const M44f& to_world = M44f()) {
-  Scene scene;
-  const int lamp = add_lambert(scene, Rgb(0, 0, 0), Rgb(10, 5, 1), double_sided);
-  add_mesh(scene, make_quad({0, 2, 0}, {1, 0, 0}, {0, 0, 3}, lamp), to_world);  // front looks down
-  return scene;
-}
-
 TEST(Lights, EmissiveTriangles) {
   for (const bool double_sided : {false, true}) {
     const BareLights lit(lamp_scene(double_sided));

@@ -145,14 +145,6 @@ TEST(PathTracer, DarkSceneIsBlack) {
   EXPECT_EQ(path_samples(lit, ray_to({0, 0, 0}, {1, 0, 0}), {}, 10).mean(), 0);
 }
 
-View test_view(int width, int height) {
-  Camera camera;
-  camera.to_world[3][1] = 0.2F;
-  camera.to_world[3][2] = 0.9F;
-  camera.yfov_rad = 1.2F;
-  return make_view("test", camera, width, height);
-}
-
 TEST(Render, GivesTheSameBytesOnAnyNumberOfThreads) {
   const LitScene lit(small_room());
   RenderParams one;
