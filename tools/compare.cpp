@@ -49,8 +49,10 @@ void run_compare(const CompareOptions& options, const CommonOptions& common) {
   result["reference_mean"] = d.reference_mean;
   result["nrmse_standard_error"] = d.nrmse_standard_error;
   result["relative_rmse_standard_error"] = d.relative_rmse_standard_error;
-  std::string text = fmt::format("nrmse {:.6g}\nrelative_rmse {:.6g}\nrmse {:.6g}\nmax {:.6g}\nbias {:.6g}\n", d.nrmse,
-                                 d.relative_rmse, d.rmse, d.max, d.bias);
+  std::string text = fmt::format(
+      "nrmse {:.6g}\nrelative_rmse {:.6g}\nrmse {:.6g}\nmax {:.6g}\nbias {:.6g}\nnrmse_standard_error {:.6g}\n"
+      "relative_rmse_standard_error {:.6g}\n",
+      d.nrmse, d.relative_rmse, d.rmse, d.max, d.bias, d.nrmse_standard_error, d.relative_rmse_standard_error);
   if (two) {
     result["reference_nrmse"] = d.reference_nrmse;
     result["reference_relative_rmse"] = d.reference_relative_rmse;
@@ -79,9 +81,15 @@ void add_compare_command(CLI::App& app, CommonOptions& common) {
       "  nrmse          root of mean (a-b)^2, divided by max b - min b\n"
       "  relative_rmse  root of mean (a-b)^2 / (b^2 + (0.01 mean b)^2)\n"
       "  max, bias      largest |a-b|, mean a-b\n"
-      "With c in REF2, (a-b)(a-c) takes the place of (a-b)^2 and (b+c)/2 that of b; reference_nrmse and\n"
-      "reference_relative_rmse are the noise left in (b+c)/2. The JSON result adds standard errors of nrmse and\n"
-      "relative_rmse, from blocks of 8x8 pixels.\n"
+      "  nrmse_standard_error, relative_rmse_standard_error\n"
+      "                 from blocks of 8x8 pixels\n"
+      "With c in REF2, (a-b)(a-c) takes the place of (a-b)^2, so that the noise of REF and REF2 is left out; (b+c)/2\n"
+      "takes that of b, and in the divisor of relative_rmse its mean over the 5x5 around the pixel, the pixel left "
+      "out.\n"
+      "Where the mean of (a-b)(a-c) is below zero, nrmse is 0: A is then at most about nrmse_standard_error off.\n"
+      "  reference_nrmse, reference_relative_rmse\n"
+      "                 the noise of (b+c)/2, which a perfect A compared with (b+c)/2 would show; it has been taken\n"
+      "                 out of nrmse and relative_rmse, and is no lower limit of theirs\n"
       "Example:\n"
       "  ivory compare gather.exr path.exr --json");
   set_action(*command, common, Output::none, [options, &common] { run_compare(*options, common); });

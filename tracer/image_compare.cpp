@@ -62,7 +62,25 @@ double standard_error_of_root(const BlockMean& m) {
   return error == 0 ? 0 : error / (2 * root(std::max(m.mean(), error / 4)));
 }
 
-ImageDifference compare(const Film& image, const Film& b, const Film& c) {
+// Of (b + c)/2 over the 5x5 around a pixel without itself; its own where it is alone.
+V3d mean_around(const Film& b, const Film& c, int x, int y) {
+  constexpr int reach = 2;
+  V3d sum(0, 0, 0);
+  int count = 0;
+  for (int v = std::max(0, y - reach); v <= std::min(b.height - 1, y + reach); ++v) {
+    for (int u = std::max(0, x - reach); u <= std::min(b.width - 1, x + reach); ++u) {
+      if (u == x && v == y) continue;
+      sum += V3d(b.at(u, v)) + V3d(c.at(u, v));
+      ++count;
+    }
+  }
+  return count == 0 ? (V3d(b.at(x, y)) + V3d(c.at(x, y))) / 2 : sum / (2 * count);
+}
+
+// With one reference both of its roles are b's.
+enum class References { one, two };
+
+ImageDifference compare(const Film& image, const Film& b, const Film& c, References references) {
   assert(image.width == b.width && image.height == b.height && !b.pixels.empty());
   assert(image.width == c.width && image.height == c.height);
   const double count = 3.0 * double(b.pixels.size());
@@ -81,7 +99,7 @@ ImageDifference compare(const Film& image, const Film& b, const Film& c) {
     }
   }
 
-  // The floor under b keeps black pixels from deciding everything.
+  // The floor keeps black pixels from deciding everything.
   const double floor = 0.01 * d.reference_mean;
   BlockMean squares(b.width, b.height);
   BlockMean relative(b.width, b.height);
@@ -89,18 +107,18 @@ ImageDifference compare(const Film& image, const Film& b, const Film& c) {
   double relative_noise = 0;
   for (int y = 0; y < b.height; ++y) {
     for (int x = 0; x < b.width; ++x) {
+      const V3d level = references == References::one ? V3d(b.at(x, y)) : mean_around(b, c, x, y);
       for (int k = 0; k < 3; ++k) {
         const double first = double(b.at(x, y)[k]);
         const double second = double(c.at(x, y)[k]);
         const double a = double(image.at(x, y)[k]);
         const double square = (a - first) * (a - second);
-        const double truth = (first + second) / 2;
-        const double weight = truth * truth + floor * floor;
+        const double divisor = level[k] * level[k] + floor * floor;
         const double spread = std::pow((first - second) / 2, 2);
         squares.add(x, y, square);
-        relative.add(x, y, square == 0 ? 0 : square / weight);
+        relative.add(x, y, square == 0 ? 0 : square / divisor);
         noise += spread / count;
-        relative_noise += spread == 0 ? 0 : spread / weight / count;
+        relative_noise += spread == 0 ? 0 : spread / divisor / count;
       }
     }
   }
@@ -118,11 +136,11 @@ ImageDifference compare(const Film& image, const Film& b, const Film& c) {
 }  // namespace
 
 ImageDifference compare_images(const Film& image, const Film& reference) {
-  return compare(image, reference, reference);
+  return compare(image, reference, reference, References::one);
 }
 
 ImageDifference compare_images(const Film& image, const Film& reference, const Film& second_reference) {
-  return compare(image, reference, second_reference);
+  return compare(image, reference, second_reference, References::two);
 }
 
 }  // namespace ivory
