@@ -2,13 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include <nanoflann.hpp>
 #include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 #include <tbb/task_arena.h>
 
 #include "grid/error.h"
@@ -40,57 +42,85 @@ constexpr float facing_alike = 0.7F;            // cosine between normals; walls
 // Estimates reach no farther, in radii of the scene: dark corners are not lit by photons of the other end.
 constexpr float reach_radii = 0.1F;
 
-struct Estimate {
-  V3f p;
-  V3f n;
-  Rgb e;
-};
-
-// nanoflann's view of an array of structs with a place.
-template <typename Point>
+// nanoflann's view of places.
 struct Cloud {
-  std::vector<Point> points;
-  std::size_t kdtree_get_point_count() const { return points.size(); }
-  float kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i].p[unsigned(axis)]; }
+  std::vector<V3f> places;
+  std::size_t kdtree_get_point_count() const { return places.size(); }
+  float kdtree_get_pt(std::size_t i, std::size_t axis) const { return places[i][unsigned(axis)]; }
   template <typename Box>
   bool kdtree_get_bbox(Box& /*box*/) const {
     return false;
   }
 };
 
-template <typename Point>
-using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud<Point>>, Cloud<Point>, 3,
-                                                 std::uint32_t>;
+// Photons lie along a Morton curve, so that what an estimate reads lies together, and so do estimates that follow each
+// other; in arrays of their own, as most photons that a search meets are told apart by their places alone.
+struct Photons {
+  Cloud cloud;
+  std::vector<V3f> normals;
+  std::vector<Rgb> powers_lm;
+  std::vector<std::uint32_t> estimated;  // indices, ascending, of those at which E is computed
+};
+
+struct Estimates {
+  Cloud cloud;
+  std::vector<V3f> normals;
+  std::vector<Rgb> e;
+};
+
+using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>, Cloud, 3, std::uint32_t>;
 
 // nanoflann's result set: the `capacity` nearest points that face as n does, as a heap with the farthest in front.
-template <typename Point>
 class NearestAlike {
  public:
-  NearestAlike(const std::vector<Point>& points, const V3f& n, std::size_t capacity, float reach_squared)
-      : points_(points), n_(n), capacity_(capacity), reach_squared_(reach_squared) {}
+  using Found = std::pair<float, std::uint32_t>;  // squared distance, index
+
+  NearestAlike(const std::vector<V3f>& normals, std::size_t capacity) : normals_(normals), capacity_(capacity) {
+    heap_.reserve(capacity);
+  }
+
+  void restart(const V3f& n, float reach_squared) {
+    n_ = n;
+    worst_ = reach_squared;
+    heap_.clear();
+  }
 
   bool addPoint(float distance_squared, std::uint32_t index) {
-    if (points_[index].n.dot(n_) < facing_alike) return true;
-    if (!(distance_squared < worstDist())) return true;
+    if (!(distance_squared < worst_) || normals_[index].dot(n_) < facing_alike) return true;
     if (full()) {
-      std::pop_heap(heap_.begin(), heap_.end());
-      heap_.pop_back();
+      replace_farthest({distance_squared, index});
+    } else {
+      heap_.emplace_back(distance_squared, index);
+      if (!full()) return true;
+      std::make_heap(heap_.begin(), heap_.end());
     }
-    heap_.emplace_back(distance_squared, index);
-    std::push_heap(heap_.begin(), heap_.end());
+    worst_ = heap_.front().first;
     return true;
   }
-  float worstDist() const { return full() ? heap_.front().first : reach_squared_; }
+  float worstDist() const { return worst_; }
   bool full() const { return heap_.size() == capacity_; }
   std::size_t size() const { return heap_.size(); }
-  const std::vector<std::pair<float, std::uint32_t>>& heap() const { return heap_; }
+  // A heap once it is full; until then as they came.
+  const std::vector<Found>& found() const { return heap_; }
 
  private:
-  const std::vector<Point>& points_;
-  V3f n_;
+  // std::pop_heap and std::push_heap in one descent.
+  void replace_farthest(const Found& nearer) {
+    std::size_t hole = 0;
+    for (std::size_t child = 1; child < capacity_; child = 2 * hole + 1) {
+      if (child + 1 < capacity_ && heap_[child] < heap_[child + 1]) ++child;
+      if (!(nearer < heap_[child])) break;
+      heap_[hole] = heap_[child];
+      hole = child;
+    }
+    heap_[hole] = nearer;
+  }
+
+  const std::vector<V3f>& normals_;
   std::size_t capacity_;
-  float reach_squared_;
-  std::vector<std::pair<float, std::uint32_t>> heap_;
+  V3f n_;
+  float worst_ = 0;
+  std::vector<Found> heap_;
 };
 
 std::vector<PhotonArrival> trace(const Intersector& intersector, const Lights& lights, const PhotonMapParams& params) {
@@ -133,13 +163,56 @@ std::vector<PhotonArrival> trace(const Intersector& intersector, const Lights& l
   return joined;
 }
 
+// Every third bit of a number, from the lowest 21 of x.
+std::uint64_t spread_by_three(std::uint64_t x) {
+  x = (x | x << 32) & 0x001f00000000ffff;
+  x = (x | x << 16) & 0x001f0000ff0000ff;
+  x = (x | x << 8) & 0x100f00f00f00f00f;
+  x = (x | x << 4) & 0x10c30c30c30c30c3;
+  return (x | x << 2) & 0x1249249249249249;
+}
+
+// Which photons are estimated at is settled before they are put in order: every fourth as they were traced is a choice
+// by chance, which the hole around an estimate reckons with; every fourth along the curve would lie more evenly.
+Photons put_in_order(const std::vector<PhotonArrival>& arrivals, const V3f& center, float radius_m) {
+  using Key = std::pair<std::uint64_t, std::uint32_t>;  // place along the curve, index
+  std::vector<Key> keys(arrivals.size());
+  const V3f low = center - V3f(radius_m, radius_m, radius_m);
+  constexpr float cells = 1 << 21;
+  const tbb::blocked_range<std::size_t> all(0, arrivals.size(), 4096);
+  tbb::parallel_for(all, [&](const tbb::blocked_range<std::size_t>& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      const V3f cell = (arrivals[i].p - low) * (cells / (2 * radius_m));
+      std::uint64_t code = 0;
+      for (unsigned axis = 0; axis < 3; ++axis)
+        code |= spread_by_three(std::uint64_t(std::clamp(cell[axis], 0.0F, cells - 1))) << axis;
+      keys[i] = {code, std::uint32_t(i)};
+    }
+  });
+  tbb::parallel_sort(keys.begin(), keys.end());
+
+  Photons photons{{std::vector<V3f>(keys.size())}, std::vector<V3f>(keys.size()), std::vector<Rgb>(keys.size()), {}};
+  tbb::parallel_for(all, [&](const tbb::blocked_range<std::size_t>& range) {
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      const PhotonArrival& arrival = arrivals[keys[i].second];
+      photons.cloud.places[i] = arrival.p;
+      photons.normals[i] = arrival.n;
+      photons.powers_lm[i] = arrival.power_lm;
+    }
+  });
+  photons.estimated.reserve((keys.size() + photons_an_estimate - 1) / photons_an_estimate);
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    if (keys[i].second % photons_an_estimate == 0) photons.estimated.push_back(std::uint32_t(i));
+  return photons;
+}
+
 }  // namespace
 
 struct PhotonMap::State {
   std::size_t photons_stored = 0;
   float reach_squared = 0;
-  Cloud<Estimate> estimates;
-  std::unique_ptr<Tree<Estimate>> tree;
+  Estimates estimates;
+  std::unique_ptr<Tree> tree;
 };
 
 PhotonMap::PhotonMap(const Intersector& intersector, const Lights& lights, const PhotonMapParams& params)
@@ -149,38 +222,44 @@ PhotonMap::PhotonMap(const Intersector& intersector, const Lights& lights, const
   tbb::task_arena arena(params.threads > 0 ? params.threads : tbb::task_arena::automatic);
   arena.execute([&] {
     State& state = *state_;
-    Cloud<PhotonArrival> photons{trace(intersector, lights, params)};
-    state.photons_stored = photons.points.size();
+    const Photons photons =
+        put_in_order(trace(intersector, lights, params), intersector.center(), intersector.radius_m());
+    state.photons_stored = photons.cloud.places.size();
     const float reach = reach_radii * intersector.radius_m();
     state.reach_squared = reach * reach;
-    const Tree<PhotonArrival> tree(3, photons);
+    const Tree tree(3, photons.cloud);
 
-    state.estimates.points.resize((photons.points.size() + photons_an_estimate - 1) / photons_an_estimate);
+    const std::size_t count = photons.estimated.size();
+    Estimates& estimates = state.estimates;
+    estimates = {{std::vector<V3f>(count)}, std::vector<V3f>(count), std::vector<Rgb>(count)};
     const std::size_t neighbours = std::size_t(std::max(2, params.neighbours));
     // Where more than K photons came to one point, as in a focus, the disc has no area; rounding's has.
     const double least_squared = double(state.reach_squared) * 1e-10;
     std::mutex mutex;
     std::uint64_t done = 0;
     const auto estimate = [&](const tbb::blocked_range<std::size_t>& range) {
+      NearestAlike nearest(photons.normals, neighbours);
       for (std::size_t i = range.begin(); i < range.end(); ++i) {
-        const PhotonArrival& at = photons.points[i * photons_an_estimate];
-        NearestAlike<PhotonArrival> nearest(photons.points, at.n, neighbours, state.reach_squared);
-        tree.findNeighbors(nearest, &at.p.x, {});
-        const auto& heap = nearest.heap();
-        const double radius_squared = nearest.full() ? double(heap.front().first) : double(state.reach_squared);
+        const std::uint32_t at = photons.estimated[i];
+        estimates.cloud.places[i] = photons.cloud.places[at];
+        estimates.normals[i] = photons.normals[at];
+        nearest.restart(estimates.normals[i], state.reach_squared);
+        tree.findNeighbors(nearest, &estimates.cloud.places[i].x, {});
+        const auto& found = nearest.found();
+        const double radius_squared = nearest.full() ? double(found.front().first) : double(state.reach_squared);
         V3d sum(0, 0, 0);
-        for (std::size_t k = nearest.full() ? 1 : 0; k < heap.size(); ++k)
-          sum += V3d(photons.points[heap[k].second].power_lm);
+        for (std::size_t k = nearest.full() ? 1 : 0; k < found.size(); ++k)
+          sum += V3d(photons.powers_lm[found[k].second]);
         sum /= double(pi) * std::max(radius_squared, least_squared) * double(params.photons);
-        state.estimates.points[i] = {at.p, at.n, Rgb(float(sum.x), float(sum.y), float(sum.z))};
+        estimates.e[i] = Rgb(float(sum.x), float(sum.y), float(sum.z));
       }
       if (!params.progress) return;
       const std::lock_guard lock(mutex);
       done += range.size();
-      params.progress(done, state.estimates.points.size());
+      params.progress(done, count);
     };
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, state.estimates.points.size(), 256), estimate);
-    state.tree = std::make_unique<Tree<Estimate>>(3, state.estimates);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256), estimate);
+    state.tree = std::make_unique<Tree>(3, estimates.cloud);
   });
 }
 
@@ -191,12 +270,12 @@ PhotonMap& PhotonMap::operator=(PhotonMap&&) noexcept = default;
 Rgb PhotonMap::irradiance(const V3f& p, const V3f& n) const {
   const State& state = *state_;
   struct NearestOne {
-    const std::vector<Estimate>& points;
+    const std::vector<V3f>& normals;
     const V3f& n;
     float best;
     std::int64_t index = -1;
     bool addPoint(float distance_squared, std::uint32_t i) {
-      if (distance_squared < best && points[i].n.dot(n) >= facing_alike) {
+      if (distance_squared < best && normals[i].dot(n) >= facing_alike) {
         best = distance_squared;
         index = i;
       }
@@ -204,15 +283,16 @@ Rgb PhotonMap::irradiance(const V3f& p, const V3f& n) const {
     }
     float worstDist() const { return best; }
     bool full() const { return index >= 0; }
-  } nearest{state.estimates.points, n, state.reach_squared};
+  } nearest{state.estimates.normals, n, state.reach_squared};
   state.tree->findNeighbors(nearest, &p.x, {});
-  return nearest.index < 0 ? Rgb(0, 0, 0) : state.estimates.points[std::size_t(nearest.index)].e;
+  return nearest.index < 0 ? Rgb(0, 0, 0) : state.estimates.e[std::size_t(nearest.index)];
 }
 
 std::size_t PhotonMap::photons_stored() const { return state_->photons_stored; }
-std::size_t PhotonMap::estimates() const { return state_->estimates.points.size(); }
+std::size_t PhotonMap::estimates() const { return state_->estimates.cloud.places.size(); }
 std::size_t PhotonMap::bytes() const {
-  return state_->estimates.points.size() * sizeof(Estimate) + state_->tree->usedMemory(*state_->tree);
+  return state_->estimates.cloud.places.size() * (2 * sizeof(V3f) + sizeof(Rgb)) +
+         state_->tree->usedMemory(*state_->tree);
 }
 
 }  // namespace ivory
