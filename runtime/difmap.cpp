@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "grid/half_float.h"
 #include "grid/io_difmap.h"
 #include "runtime/gl_check.h"
 
@@ -17,7 +18,7 @@ GpuDifMap upload(const std::string& what, const CubeMap& e, const DifMapUploadPa
   if (params.half_floats) {
     float largest = 0;
     for (const Rgb& texel : e.texels) largest = std::max(largest, max_component(texel));
-    out.scale = gl::half_scale(largest);
+    out.scale = half_scale(largest);
   }
   // See grid/cube_map.h: OpenGL shows the faces from outside.
   std::vector<Rgb> texels;

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "grid/error.h"
+#include "grid/half_float.h"
 #include "grid/io_fiv.h"
 #include "grid/memory.h"
 #include "runtime/boxes.h"
@@ -177,7 +178,7 @@ GpuFivTables upload(std::span<const FivTable> tables, std::span<const std::strin
   std::vector<SphereBins> bins;
   std::size_t most = 1;
   for (std::size_t i = 0; i < tables.size(); ++i) {
-    const float scale = params.half_floats ? gl::half_scale(largest_level(tables[i])) : 1.0F;
+    const float scale = params.half_floats ? half_scale(largest_level(tables[i])) : 1.0F;
     bins.push_back(make_bins(names[i], tables[i].radii));
     most = std::max(most, bins.back().knots.size());
     fill(tables[i], packed->corners[i], packed->size, 1 / scale, atlas);

@@ -87,13 +87,6 @@ Texture make_texture_array(const std::string& what, Format format, int width, in
 // Six square faces in OpenGL's order and orientation, one after another.
 Texture make_texture_cube(const std::string& what, Format format, int size, const void* texels, Filter filter);
 
-// Rounded to half as OpenGL does it, to nearest even; beyond 65504 infinity. For tests and for error bounds.
-float rounded_to_half(float x);
-
-// The power of two by which `largest`, the greatest magnitude of what is to be kept in half floats, is divided so that
-// it lies within [2^14, 2^15): no overflow, and eleven bits for all down to 2^-28 of it. 1 for 0.
-float half_scale(float largest);
-
 // Binds to GL_TEXTURE0 + unit, without a sampler object.
 void bind(const Texture& texture, int unit);
 

@@ -184,13 +184,6 @@ Texture make_texture_cube(const std::string& what, Format format, int size, cons
   return texture;
 }
 
-float half_scale(float largest) {
-  if (!(largest > 0)) return 1;
-  return std::ldexp(1.0F, std::clamp(std::ilogb(largest) - 14, -100, 100));
-}
-
-float rounded_to_half(float x) { return half(x); }
-
 void bind(const Texture& texture, int unit) {
   IVORY_GL(glActiveTexture, GLenum(GL_TEXTURE0 + unit));
   IVORY_GL(glBindTexture, texture.target, texture.object.id());

@@ -11,6 +11,7 @@
 #include "grid/compact_vectors.h"
 #include "grid/error.h"
 #include "grid/grid_lookup.h"
+#include "grid/half_float.h"
 #include "grid/io_vdb.h"
 #include "runtime/gl_check.h"
 
@@ -49,12 +50,12 @@ GpuGrid upload_named(const std::string& what, const IrradianceGrid& grid, const 
   // The trust as the texture will hold it, so that dividing by it undoes what multiplying did.
   const std::size_t vertices = grid.frame.vertex_count();
   std::vector<float> trust(vertices);
-  for (std::size_t v = 0; v < vertices; ++v) trust[v] = gl::rounded_to_half(vertex_trust(grid.visible_fraction[v]));
+  for (std::size_t v = 0; v < vertices; ++v) trust[v] = rounded_to_half(vertex_trust(grid.visible_fraction[v]));
 
   // No length of a vector in the compact form exceeds sqrt(3) times its largest component.
   float largest = 0;
   for (const float m : grid.moments) largest = std::max(largest, std::abs(m));
-  out.scale = gl::half_scale(params.form == GridForm::moments ? largest : 2 * largest);
+  out.scale = half_scale(params.form == GridForm::moments ? largest : 2 * largest);
 
   const V3i extent = size * out.tiles;
   const std::size_t row = std::size_t(extent.x);

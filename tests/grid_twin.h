@@ -8,6 +8,7 @@
 
 #include "grid/compact_vectors.h"
 #include "grid/grid_lookup.h"
+#include "grid/half_float.h"
 #include "runtime/irradiance_grid.h"
 #include "tests/runtime_twin.h"
 
@@ -70,7 +71,7 @@ struct StoredGrid {
       const float trust = vertex_trust(grid.visible_fraction[v]);
       for (std::size_t i = 0; i < stride && trust > 0; ++i) {
         const float unit = form == GridForm::norms_and_directions && i >= 18 ? 1 : gpu.scale;
-        m[i] = gl::rounded_to_half(m[i] * trust / unit) * unit / trust;
+        m[i] = rounded_to_half(m[i] * trust / unit) * unit / trust;
       }
     }
   }

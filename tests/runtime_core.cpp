@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "grid/error.h"
+#include "grid/half_float.h"
 #include "runtime/gl_check.h"
 #include "runtime/shader_source.h"
 #include "tests/runtime_twin.h"
@@ -64,7 +65,7 @@ TEST_F(RuntimeCore, HalvesAreRoundedToNearest) {
   std::vector<V4f> stored(texels.size());
   glGetTexImage(GL_TEXTURE_2D, 0, GL_RGBA, GL_FLOAT, stored.data());
   for (std::size_t i = 0; i < texels.size(); ++i) {
-    for (unsigned c = 0; c < 4; ++c) ASSERT_EQ(stored[i][c], gl::rounded_to_half(texels[i][c])) << i;
+    for (unsigned c = 0; c < 4; ++c) ASSERT_EQ(stored[i][c], rounded_to_half(texels[i][c])) << i;
   }
 }
 
@@ -124,8 +125,8 @@ TEST(RuntimeShaders, AreEmbeddedAndResolved) {
 }
 
 TEST(RuntimeHalf, RoundsToNearestEven) {
-  EXPECT_EQ(gl::rounded_to_half(1.0F + 1.0F / 2048), 1.0F);
-  EXPECT_EQ(gl::rounded_to_half(1.0F + 3.0F / 2048), 1.0F + 2.0F / 1024);
+  EXPECT_EQ(rounded_to_half(1.0F + 1.0F / 2048), 1.0F);
+  EXPECT_EQ(rounded_to_half(1.0F + 3.0F / 2048), 1.0F + 2.0F / 1024);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "grid/error.h"
+#include "grid/half_float.h"
 #include "grid/io_difmap.h"
 #include "runtime/difmap.h"
 #include "tests/runtime_twin.h"
@@ -88,7 +89,7 @@ TEST_F(RuntimeDifMap, HalvesKeepElevenBits) {
   EXPECT_EQ(gpu.bytes(), 6U * 16 * 16 * 6);
   for (Rgb& texel : map.e.texels) {
     for (unsigned c = 0; c < 3; ++c) {
-      const float rounded = gl::rounded_to_half(texel[c] / gpu.scale) * gpu.scale;
+      const float rounded = rounded_to_half(texel[c] / gpu.scale) * gpu.scale;
       // Below 2^-14 of a scale halves are 2^-24 of it apart.
       ASSERT_NEAR(rounded, texel[c], texel[c] / 2048 + gpu.scale * 3e-8F);
       texel[c] = rounded;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "grid/error.h"
+#include "grid/half_float.h"
 #include "runtime/fiv.h"
 #include "tests/fiv_synthetic.h"
 #include "tests/runtime_twin.h"
@@ -116,10 +117,10 @@ TEST_F(RuntimeFiv, HalvesKeepElevenBits) {
     float largest = 0;
     for (std::size_t i = 0; i < table.values.size(); ++i)
       largest = std::max(largest, std::abs(table.values[i] / fiv_falloff(table.radii[i / sphere])));
-    const float scale = gl::half_scale(largest);
+    const float scale = half_scale(largest);
     for (std::size_t i = 0; i < table.values.size(); ++i) {
       const float level = fiv_falloff(table.radii[i / sphere]) * scale;
-      const float value = gl::rounded_to_half(table.values[i] / level) * level;
+      const float value = rounded_to_half(table.values[i] / level) * level;
       ASSERT_NEAR(value, table.values[i], std::abs(table.values[i]) / 2048 + 3e-8F * level);
       table.values[i] = value;
     }

@@ -31,6 +31,7 @@ ProbeResult probe_point(const Intersector& intersector, const Lights& lights, co
   PathParams path;
   path.max_bounces = params.max_bounces + 1;
   path.indirect_only = params.indirect_only;
+  path.strategy = params.strategy;
 
   RandomStream random(params.seed, StreamPurpose::probe, index);
   // Welford's running mean and squared deviations, in double.

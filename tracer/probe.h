@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "tracer/lights.h"
+#include "tracer/direct_light.h"
 
 namespace ivory {
 
@@ -19,6 +19,7 @@ struct ProbeParams {
   std::uint64_t seed = 1;
   int threads = 0;  // 0: as many as TBB gives
   bool indirect_only = false;
+  DirectStrategy strategy = DirectStrategy::mis;
   std::function<void(double)> progress;  // called now and then, from any thread, with the fraction done
 };
 

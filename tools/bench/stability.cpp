@@ -1,13 +1,14 @@
-// ivory bench stability: the stability suite's points, as lines of JSON.
+// ivory bench stability: the stability suite's points, beside what they are held to.
 #include "tools/stability/stability.h"
 
-#include <cstdio>
+#include <algorithm>
 #include <memory>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "grid/error.h"
 #include "tools/commands.h"
 #include "tools/common.h"
 
@@ -20,18 +21,28 @@ struct BenchStabilityOptions {
   bool list = false;
 };
 
-void print_points(const StabilityCase& c, const StabilityParams& params) {
-  for (const StabilityPoint& point : c.run(params)) {
-    const nlohmann::ordered_json line{
-        {"case", c.name},         {"title", c.title},
-        {"sentence", c.sentence}, {"x", point.x},
-        {"x_label", c.x_label},   {"series", point.series},
-        {"error", point.error},   {"bound", point.bound ? nlohmann::ordered_json(*point.bound) : nullptr},
-        {"y_label", c.y_label},   {"log_x", c.log_x},
-        {"log_y", c.log_y}};
-    fmt::print("{}\n", line.dump());
+// NaN is beyond every bound.
+bool is_held(const StabilityPoint& p) { return !p.bound || p.error <= *p.bound; }
+
+nlohmann::ordered_json to_json(const StabilityCase& c, const StabilityPoint& p) {
+  return {{"case", c.name},         {"title", c.title},
+          {"sentence", c.sentence}, {"x", p.x},
+          {"x_label", c.x_label},   {"series", p.series},
+          {"error", p.error},       {"bound", p.bound ? nlohmann::ordered_json(*p.bound) : nullptr},
+          {"y_label", c.y_label},   {"log_x", c.log_x},
+          {"log_y", c.log_y}};
+}
+
+std::string to_text(const StabilityCase& c, const std::vector<StabilityPoint>& points) {
+  std::size_t width = 6;
+  for (const StabilityPoint& p : points) width = std::max(width, p.series.size());
+  std::string text = fmt::format("{}: {}\n  {}\n  x: {}; error: {}\n  {:<{}}  {:>9}  {:>9}  {:>9}\n", c.name, c.title,
+                                 c.sentence, c.x_label, c.y_label, "series", width, "x", "error", "bound");
+  for (const StabilityPoint& p : points) {
+    text += fmt::format("  {:<{}}  {:>9.3g}  {:>9.3g}  {:>9}{}\n", p.series, width, p.x, p.error,
+                        p.bound ? fmt::format("{:.3g}", *p.bound) : "-", is_held(p) ? "" : "  BROKEN");
   }
-  std::fflush(stdout);  // whoever reads along draws case by case
+  return text;
 }
 
 void run(const BenchStabilityOptions& options, const CommonOptions& common) {
@@ -39,15 +50,35 @@ void run(const BenchStabilityOptions& options, const CommonOptions& common) {
   for (const std::string& name : options.names) cases.push_back(stability_case(name));
   if (cases.empty()) cases = stability_cases();
   if (options.list) {
-    for (const StabilityCase& c : cases) fmt::print("{:<20} {}\n", c.name, c.title);
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    std::string text;
+    for (const StabilityCase& c : cases) {
+      list.push_back({{"case", c.name}, {"title", c.title}});
+      text += fmt::format("{:<20} {}\n", c.name, c.title);
+    }
+    print_result(common, {{"cases", list}}, text);
     return;
   }
-  Progress progress(common, "sweeping", "cases");
-  std::uint64_t done = 0;
-  for (const StabilityCase& c : cases) {
-    progress.update(done++, cases.size());
-    print_points(c, {.quick = options.quick});
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  std::string text;
+  std::string broken;
+  {
+    Progress progress(common, "sweeping", "cases");
+    std::uint64_t done = 0;
+    for (const StabilityCase& c : cases) {
+      progress.update(done++, cases.size());
+      const std::vector<StabilityPoint> points = c.run({.quick = options.quick});
+      for (const StabilityPoint& p : points) all.push_back(to_json(c, p));
+      text += fmt::format("{}{}", text.empty() ? "" : "\n", to_text(c, points));
+      const auto beyond = std::count_if(points.begin(), points.end(), [](const auto& p) { return !is_held(p); });
+      if (beyond > 0)
+        broken += fmt::format("{}{} ({} of {} points)", broken.empty() ? "" : ", ", c.name, beyond, points.size());
+    }
   }
+  print_result(common, {{"points", all}}, text);
+  if (!broken.empty())
+    throw Error("stability of " + broken, "errors beyond their bounds",
+                "compare with an unchanged build; where that breaks too, the bounds are wrong");
 }
 
 }  // namespace
@@ -55,8 +86,9 @@ void run(const BenchStabilityOptions& options, const CommonOptions& common) {
 void add_bench_stability_command(CLI::App& bench, CommonOptions& common) {
   CLI::App* command = bench.add_subcommand(
       "stability",
-      "Sweeps through every place where a method fails. One line of JSON a point: case, title, sentence, x, x_label,\n"
-      "series, error, bound (null where a series only shows the failure), y_label, log_x, log_y.");
+      "Sweeps through every place where a method fails, and fails itself where an error is beyond its bound. With\n"
+      "--json an object of `points`, each with case, title, sentence, x, x_label, series, error, bound (null where a\n"
+      "series only shows the failure), y_label, log_x, log_y.");
   auto options = std::make_shared<BenchStabilityOptions>();
   command->add_option("CASE", options->names, "Cases to run; all by default");
   command->add_flag("--quick", options->quick, "Fewer samples: what the tests run");

@@ -9,8 +9,6 @@
 namespace ivory {
 namespace {
 
-constexpr double pi_d = 3.14159265358979323846;
-
 // The part of a polygon above p's horizon, corners in order.
 std::vector<V3d> above_horizon(const std::vector<V3d>& corners, const V3d& p, const V3d& n) {
   std::vector<V3d> cut;

@@ -13,8 +13,6 @@
 namespace ivory {
 namespace {
 
-constexpr double pi_d = 3.14159265358979323846;
-
 // A sun of half-angle `radius_rad`, the same irradiance for all; texels count by the share of 8 x 8 points within.
 CubeMap sun(int size, double radius_rad) {
   const V3d towards = V3d(0.5, 0.8, 0.3).normalized();

@@ -35,10 +35,10 @@ std::array<double, 12> directional_moments(const V3f& w) {
 std::vector<StabilityPoint> grazing_photons(const StabilityParams& params) {
   const std::uint64_t photons = params.quick ? 20'000 : 200'000;
   const GridFrame frame = centred_frame(4, 0.8F);
-  const double n = double(photons) * std::pow(double(frame.spacing_m.x), 2) / double(pi);
+  const double n = double(photons) * std::pow(double(frame.spacing_m.x), 2) / pi_d;
   std::vector<StabilityPoint> points;
   for (const double elevation : {0.03, 0.1, 0.3, 1.0, 3.0, 10.0, 30.0, 45.0}) {
-    const double e = elevation * double(pi) / 180;
+    const double e = elevation * pi_d / 180;
     const V3f w(V3d(std::cos(e) * std::cos(0.6), std::sin(e), std::cos(e) * std::sin(0.6)));
     Scene scene;
     scene.name = "grazing light";
@@ -159,7 +159,7 @@ std::vector<StabilityPoint> diagonal_normals(const StabilityParams&) {
       const double phi = i * 2.399963229728653;
       const double s = std::sqrt(1 - y * y);
       const auto f = eval(basis, V3f(V3d(s * std::cos(phi), y, s * std::sin(phi))));
-      for (std::size_t k = 0; k < max_functions; ++k) sums[k] += double(f[k]) * 4 * double(pi) / directions;
+      for (std::size_t k = 0; k < max_functions; ++k) sums[k] += double(f[k]) * 4 * pi_d / directions;
     }
     std::array<float, 3 * max_functions> moments{};
     for (std::size_t i = 0; i < moments.size(); ++i) moments[i] = float(sums[i / 3]);
@@ -167,9 +167,9 @@ std::vector<StabilityPoint> diagonal_normals(const StabilityParams&) {
       const double angle = step / 12.0 * std::acos(1 / std::sqrt(3.0));
       const V3d n(std::sin(angle) * std::sqrt(0.5), std::cos(angle), std::sin(angle) * std::sqrt(0.5));
       const auto error = [&](Reconstruction r) {
-        return std::abs(double(irradiance(basis, r, moments.data(), V3f(n)).x) / double(pi) - 1);
+        return std::abs(double(irradiance(basis, r, moments.data(), V3f(n)).x) / pi_d - 1);
       };
-      const double degrees = angle * 180 / double(pi);
+      const double degrees = angle * 180 / pi_d;
       // The lattice of directions integrates these functions to 1e-4 or better.
       points.push_back({std::string(name(basis)), degrees, error(Reconstruction::optimal), 5e-4});
       if (basis != Basis::vectors) continue;

@@ -4,30 +4,20 @@
 
 #include "tools/stability/scenes.h"
 #include "tools/stability/stability.h"
-#include "tracer/path_tracer.h"
 
 namespace ivory {
 namespace {
 
-constexpr double pi_d = 3.14159265358979323846;
-
-// E by paths that find light as `strategy` says, from a white Lambertian surface at the point.
-double irradiance_by_paths(const StabilityWorld& world, const ProbePoint& at, int samples, DirectStrategy strategy,
-                           std::uint64_t stream) {
-  Surface white;
-  white.p = at.p;
-  white.ng = at.n;
-  white.ns = at.n;
-  white.diffuse_albedo = Rgb(1, 1, 1);
-  white.specular_f0 = Rgb(0, 0, 0);
-  white.specular_f90 = Rgb(0, 0, 0);
-  PathParams params;
+// E in lux by paths that find light as `strategy` says.
+std::vector<double> irradiance_by_paths(const StabilityWorld& world, const std::vector<ProbePoint>& points, int samples,
+                                        DirectStrategy strategy = DirectStrategy::mis) {
+  ProbeParams params;
+  params.samples = samples;
   params.strategy = strategy;
-  RandomStream random(1, StreamPurpose::test, stream);
-  double sum = 0;
-  for (int i = 0; i < samples; ++i)
-    sum += double(trace_scattered(*world.intersector, *world.lights, white, at.n, params, random).x);
-  return sum / samples * pi_d;
+  std::vector<double> e;
+  for (const ProbeResult& r : probe_scene(*world.scene, *world.intersector, *world.lights, points, params))
+    e.push_back(double(r.e.x));
+  return e;
 }
 
 // Middles of facets of an inward sphere, spread over the part with d.p < limit, looking inward.
@@ -79,6 +69,8 @@ std::vector<StabilityPoint> tiny_emitters(const StabilityParams& params) {
     bake.resolution = V3i(8, 8, 8);
     bake.photons = params.quick ? 60'000 : 300'000;
     const IrradianceGrid grid = finish(bake_grid_sums(*world.intersector, *world.lights, bake));
+    const std::vector<double> by_paths = irradiance_by_paths(world, probes, samples);
+    const std::vector<double> by_chance = irradiance_by_paths(world, probes, samples, DirectStrategy::bsdf);
     double path = 0;
     double chance = 0;
     double by_grid = 0;
@@ -86,17 +78,19 @@ std::vector<StabilityPoint> tiny_emitters(const StabilityParams& params) {
       const ProbePoint& at = probes[i];
       const double direct = polygon_irradiance(corners, V3d(at.p), V3d(at.n)) / area;
       const double e = direct + indirect;
-      path += std::pow(irradiance_by_paths(world, at, samples, DirectStrategy::mis, i) / e - 1, 2);
-      chance += std::pow(irradiance_by_paths(world, at, samples, DirectStrategy::bsdf, i) / e - 1, 2);
+      path += std::pow(by_paths[i] / e - 1, 2);
+      chance += std::pow(by_chance[i] / e - 1, 2);
       const Rgb read = lookup_irradiance(grid, world.intersector.get(), Guard::rays, at.p, at.n, at.n, {});
       by_grid += std::pow(double(read.x) / indirect - 1, 2);
     }
     const auto n = double(probes.size());
-    // A path's indirect part varies by about itself, which is half of E: 0.5 / sqrt(256) = 3 % of noise.
-    points.push_back({"path", size, std::sqrt(path / n), 0.08});
+    // A path's indirect part varies by about itself, which is half of E: 0.5 / sqrt(256) = 3 % of noise at most.
+    points.push_back({"path", size, std::sqrt(path / n), 0.56 / std::sqrt(double(samples))});
     points.push_back({"path, lamps met by chance", size, std::sqrt(chance / n), {}});
-    // Noise of 60,000 photons and the flat voxels along the round wall.
-    points.push_back({"grid, indirect light", size, std::sqrt(by_grid / n), 0.06});
+    // A point reads some 4 of the 300 cells along the wall. Each sees a few per mille of the photons, which bounce
+    // once on average: 4 % for 60,000. The other part of the bound is the flat cells along the round wall.
+    points.push_back({"grid, indirect light", size, std::sqrt(by_grid / n),
+                      0.01 + 0.05 * std::sqrt(60'000.0 / double(bake.photons))});
   }
   return points;
 }
@@ -127,27 +121,31 @@ std::vector<StabilityPoint> caustics(const StabilityParams& params) {
       return double(lookup_irradiance(grid, world.intersector.get(), Guard::rays, V3f(V3d(x, -1, z)), n, n, {}).x);
     };
     double middle = 0;
-    double by_paths = 0;
+    std::vector<ProbePoint> probes;
     constexpr int places = 16;  // along the strip
     for (int i = 0; i < places; ++i) {
       const double z = 0.6 * ((i + 0.5) / places - 0.5);
       middle += read(0, z) / places;
-      by_paths += irradiance_by_paths(world, {V3f(V3d(0, -1, z)), V3f(0, 1, 0)}, params.quick ? 256 : 4096,
-                                      DirectStrategy::mis, std::uint64_t(i)) /
-                  places;
+      probes.push_back({V3f(V3d(0, -1, z)), V3f(0, 1, 0)});
     }
+    double by_paths = 0;
+    for (const double e : irradiance_by_paths(world, probes, params.quick ? 256 : 4096)) by_paths += e / places;
     double flux = 0;
     constexpr int lattice = 160;
     for (int i = 0; i < lattice; ++i) {
       for (int j = 0; j < lattice; ++j)
         flux += read(2 * ((i + 0.5) / lattice - 0.5), 2 * ((j + 0.5) / lattice - 0.5)) * 4 / (lattice * lattice);
     }
-    // Cells of one voxel between which is interpolated see 1.5 voxels to either side: narrower strips lose their peak,
-    // down to at least half of w / voxel. n photons of a disc of about 1.5 m radius hit the mirror.
-    const double noise = 4 / std::sqrt(double(bake.photons) * double(w) / 7);
-    points.push_back({"grid, middle of the caustic", voxels, std::abs(middle - 1),
-                      std::min(1.0, (voxels < 3 ? 1 - 0.5 * std::min(1.0, voxels) : 0.0) + noise + 0.02)});
-    points.push_back({"grid, all its light", voxels, std::abs(flux / double(w) - 1), noise + 0.02});
+    // The middle stands between two cells of one voxel, which share what falls on both: w of two voxels' width, or all.
+    // Photons come through a disc of 7 m^2, so that photons x area / 7 fall on an area: that which all light falls on
+    // is w x 1 m, that of which the middle's places read is 0.7 m long and two voxels wide at most. Four deviations,
+    // and 2 % for where the mirror's ends and the cells' share of them are.
+    const double share = std::min(1.0, voxels / 2);
+    const auto noise = [&](double area) { return 4 / std::sqrt(double(bake.photons) * area / 7) + 0.02; };
+    points.push_back({"grid, middle of the caustic", voxels, std::abs(middle - 1), {}});
+    points.push_back({"grid, middle beside what its two cells share", voxels, std::abs(middle / share - 1),
+                      noise(0.7 * std::min(double(w), 2 * voxel))});
+    points.push_back({"grid, all its light", voxels, std::abs(flux / double(w) - 1), noise(double(w))});
     points.push_back({"path, middle of the caustic", voxels, std::abs(by_paths - 1), {}});
   }
   return points;
@@ -175,54 +173,83 @@ Scene make_hole_room(float hole, bool lamp) {
   return scene;
 }
 
+// Sky light at the same work for all sizes shows the noise that grows; at work in inverse proportion to the hole's
+// area it must be right. A lamp in the hole is held to its truth at the same work for all.
 std::vector<StabilityPoint> nearly_closed(const StabilityParams& params) {
   const int samples = params.quick ? 256 : 4096;
   const std::uint64_t photons = params.quick ? 100'000 : 1'000'000;
+  const double smallest = params.quick ? 0.1 : 0.05;  // that the growing work is spent on
+  const int hits = params.quick ? 160 : 320;          // that it leaves, of paths as of photons
+  const double radius = 0.505 * std::sqrt(12.0);      // of the disc that photons enter through
+  const V3f n(0, 1, 0);
+  std::vector<ProbePoint> floor;
+  constexpr int side = 6;
+  for (int i = 0; i < side * side; ++i)
+    floor.push_back(
+        {V3f(1.6F * ((float(i % side) + 0.44F) / side - 0.5F), -1, 1.6F * ((float(i) / side + 0.37F) / side - 0.5F)),
+         n});
+
   std::vector<StabilityPoint> points;
   for (const double hole : {1.0, 0.5, 0.2, 0.1, 0.05, 0.02}) {
     const double h = hole / 2;
     const std::vector<V3d> corners{{-h, 1, -h}, {h, 1, -h}, {h, 1, h}, {-h, 1, h}};
-    for (const bool lamp : {false, true}) {
-      const StabilityWorld world(make_hole_room(float(hole), lamp));
+    std::vector<double> truth;
+    double mean = 0;
+    for (const ProbePoint& at : floor) {
+      truth.push_back(polygon_irradiance(corners, V3d(at.p), V3d(n)));
+      mean += truth.back() / double(floor.size());
+    }
+    const auto of_paths = [&](const StabilityWorld& world, int paths) {
+      double squares = 0;
+      double sum = 0;
+      const std::vector<double> e = irradiance_by_paths(world, floor, paths);
+      for (std::size_t i = 0; i < floor.size(); ++i) {
+        squares += std::pow(e[i] / truth[i] - 1, 2) / double(floor.size());
+        sum += e[i] / double(floor.size());
+      }
+      return std::array<double, 2>{std::sqrt(squares), std::abs(sum / mean - 1)};
+    };
+    const auto of_grid = [&](const StabilityWorld& world, std::uint64_t count) {
       GridBakeParams bake;
       bake.resolution = V3i(12, 12, 12);
-      bake.photons = photons;
+      bake.photons = count;
       const IrradianceGrid grid = bake_all_light(world, bake);
-      double squares = 0;
-      double read = 0;
-      double true_sum = 0;
-      double least = 1;
-      constexpr int side = 6;
-      for (int i = 0; i < side * side; ++i) {
-        const V3f p(1.6F * ((float(i % side) + 0.44F) / side - 0.5F), -1,
-                    1.6F * ((float(i) / side + 0.37F) / side - 0.5F));
-        const V3f n(0, 1, 0);
-        const double e = polygon_irradiance(corners, V3d(p), V3d(n));
-        squares +=
-            std::pow(irradiance_by_paths(world, {p, n}, samples, DirectStrategy::mis, std::uint64_t(i)) / e - 1, 2);
-        read += double(lookup_irradiance(grid, world.intersector.get(), Guard::rays, p, n, n, {}).x);
-        true_sum += e;
-        least = std::min(least, e / pi_d);
-      }
-      const std::string light = lamp ? ", lamp in the hole" : ", sky";
-      // A share f = E / (pi L) of a point's paths finds the hole: relative variance 1 / f at most. Of the photons that
-      // enter through a disc of radius R a share hole^2 / (4 pi R^2) finds it, R = 0.505 times the room's diagonal.
-      const double noise = lamp ? 0.1 : 3 / std::sqrt(least * samples);
-      points.push_back({"path" + light, hole, std::sqrt(squares / (side * side)), noise});
-      const double radius = 0.505 * std::sqrt(12.0);
-      const double entered = lamp ? double(photons) : double(photons) * hole * hole / (4 * pi_d * radius * radius);
-      // About a quarter of what enters falls on the floor. The lowest vertices stand half a voxel of 1/6 m nearer to
-      // the hole: (2 / (2 - 1/12))^2 - 1 = 9 %.
-      points.push_back(
-          {"grid, mean on the floor" + light, hole, std::abs(read / true_sum - 1), 4 / std::sqrt(entered / 4) + 0.09});
-    }
+      double sum = 0;
+      for (const ProbePoint& at : floor)
+        sum += double(lookup_irradiance(grid, world.intersector.get(), Guard::rays, at.p, n, n, {}).x);
+      return std::abs(sum / double(floor.size()) / mean - 1);
+    };
+    // The lowest vertices stand half a voxel of 1/6 m nearer to the hole: (2 / (2 - 1/12))^2 - 1 = 9 %.
+    constexpr double nearer = 0.09;
+
+    const StabilityWorld lamp(make_hole_room(float(hole), true));
+    // Points on the lamp are chosen evenly: over its breadth `hole` cosines and distances squared, 2 m away, vary by
+    // some hole / 6 about their mean, and the mean of 256 is off by a sixteenth of that.
+    points.push_back({"path, lamp in the hole", hole, of_paths(lamp, samples)[0], 0.32 * hole / std::sqrt(samples)});
+    // About a quarter of a lamp's photons fall on the floor.
+    points.push_back({"grid, mean on the floor, lamp in the hole", hole, of_grid(lamp, photons),
+                      4 / std::sqrt(double(photons) / 4) + nearer});
+
+    const StabilityWorld sky(make_hole_room(float(hole), false));
+    points.push_back({"path, sky", hole, of_paths(sky, samples)[0], {}});
+    points.push_back({"grid, mean on the floor, sky", hole, of_grid(sky, photons), {}});
+    if (hole < smallest) continue;
+    // A share E / (pi L) of a point's paths finds the hole. Of the photons that enter through the disc a share
+    // hole^2 / (4 pi R^2) does, and a quarter of those falls on the floor. Four deviations of so many hits.
+    const double noise = 4 / std::sqrt(double(hits));
+    const int paths = int(hits / (mean / pi_d * double(floor.size())));
+    const auto enter = std::uint64_t(4 * hits * 4 * pi_d * radius * radius / (hole * hole));
+    points.push_back(
+        {"path, mean on the floor, sky, the more paths the smaller", hole, of_paths(sky, paths)[1], noise});
+    points.push_back(
+        {"grid, mean on the floor, sky, the more photons the smaller", hole, of_grid(sky, enter), noise + nearer});
   }
   return points;
 }
 
 // Integrating sphere, a point light at its centre: indirect E = Phi / A rho / (1 - rho). A photon's number of bounces
 // is geometric, so the sum over one photon varies by its own mean, whatever the albedo, and n photons measure to 1 /
-// sqrt(n). A limit of N bounces takes rho^N away.
+// sqrt(n). A limit of N bounces takes rho^N of it away: the truth of all but the series that shows that.
 std::vector<StabilityPoint> albedo_to_one(const StabilityParams& params) {
   std::vector<StabilityPoint> points;
   for (const double albedo : {0.5, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995, 0.999}) {
@@ -248,18 +275,21 @@ std::vector<StabilityPoint> albedo_to_one(const StabilityParams& params) {
         const Rgb e = lookup_irradiance(grid, world.intersector.get(), Guard::rays, at.p, at.n, at.n, {});
         mean += double(e.x) / double(probes.size());
       }
-      points.push_back({bounces == 1000 ? "grid, 1000 bounces (default)" : "grid, 20,000 bounces", 1 - albedo,
-                        std::abs(mean / indirect - 1),
-                        4 / std::sqrt(double(bake.photons)) + 0.02 + std::pow(albedo, bounces)});
+      // Four deviations, and the flat cells along the round wall.
+      points.push_back({bounces == 1000 ? "grid, 1000 bounces" : "grid, 20,000 bounces", 1 - albedo,
+                        std::abs(mean / (indirect * (1 - std::pow(double(rho), bounces))) - 1),
+                        4 / std::sqrt(double(bake.photons)) + 0.02});
+      if (bounces == 1000)
+        points.push_back(
+            {"grid, 1000 bounces (default) of endless ones", 1 - albedo, std::abs(mean / indirect - 1), {}});
     }
     double squares = 0;
     const int samples = params.quick ? 64 : 512;
-    for (std::size_t i = 0; i < probes.size(); ++i)
-      squares +=
-          std::pow(irradiance_by_paths(world, probes[i], samples, DirectStrategy::mis, i) / (direct + indirect) - 1, 2);
+    const double truth = direct + indirect * (1 - std::pow(double(rho), 1000));
+    for (const double e : irradiance_by_paths(world, probes, samples)) squares += std::pow(e / truth - 1, 2);
     // A path of geometric length too, and three standard errors of a standard deviation from 16 points.
-    points.push_back({"path", 1 - albedo, std::sqrt(squares / double(probes.size())),
-                      1.6 / std::sqrt(double(samples)) + std::pow(albedo, 1000)});
+    points.push_back({"path, 1000 bounces", 1 - albedo, std::sqrt(squares / double(probes.size())),
+                      1.6 / std::sqrt(double(samples))});
   }
   return points;
 }
@@ -281,8 +311,9 @@ std::vector<StabilityCase> stability_light_cases() {
        .title = "Light by way of a mirror",
        .sentence =
            "A grid keeps all light of a caustic and its place, but blurs it over a voxel and a half, so that strips "
-           "narrower than three voxels lose their peak; the path tracer misses light of punctual lights by way of "
-           "mirrors altogether and is no reference there: use smaller voxels.",
+           "narrower than two to three voxels lose their peak; the path tracer finds light of punctual lights by way "
+           "of mirrors by rare bright samples only, so that most of it is missing from any picture, and is no "
+           "reference there: use smaller voxels.",
        .x_label = "width of the caustic, voxels",
        .y_label = "error / E",
        .log_x = true,
@@ -291,7 +322,8 @@ std::vector<StabilityCase> stability_light_cases() {
        .title = "Rooms that light enters by a small hole",
        .sentence =
            "Noise of sky light through a hole grows as one over the hole's side, for photons and paths alike, as "
-           "most miss it: put an emissive surface into the opening, which keeps the noise level.",
+           "most miss it, until nothing is found; work in inverse proportion to the hole's area keeps it level, and so "
+           "does an emissive surface in the opening at the same work for all: put one there.",
        .x_label = "side of the hole, m (room of 2 m)",
        .y_label = "error / E",
        .log_x = true,

@@ -10,8 +10,6 @@
 namespace ivory {
 namespace {
 
-constexpr double pi_d = 3.14159265358979323846;
-
 // Spherical Gaussians exp(l (a.w - 1)) in the lobes' stead, l the exponent: the integral of their product is
 // 4 pi sinh(m)/m exp(-l1 - l2) with m = |l1 a1 + l2 a2|.
 double gaussian_product(double l1, double l2, double alpha) {

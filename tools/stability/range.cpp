@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include <half.h>
-
+#include "grid/half_float.h"
 #include "grid/localized_cube.h"
 #include "tools/stability/cube_builder.h"
 #include "tools/stability/scenes.h"
@@ -13,26 +12,26 @@
 namespace ivory {
 namespace {
 
-constexpr double pi_d = 3.14159265358979323846;
-
-float through_half(float x) { return float(Imath::half(x)); }
-
-// Twelve functions stored as halves, in units of `unit` lux: light of 1 lux from one side over a uniform
-// background, scaled to E lux. The worst relative error of E(n) over normals that see at least a tenth of E.
-double half_error(double e, double unit) {
+// The twelve functions, [function][rgb], of light of 1 lux from one side over a uniform background, scaled to E lux.
+std::array<float, 36> mixed_light(double e) {
   const V3f w = V3f(0.43F, 0.61F, 0.67F).normalized();
   std::array<float, 36> moments{};
-  std::array<float, 36> stored{};
   for (std::size_t f = 0; f < 12; ++f) {
     const std::size_t row = f / 3;  // F, D_x, D_y, D_z
     const auto j = unsigned(f % 3);
     double value = 0.5 * double(w[j]);
     if (row == j + 1) value += 0.5;  // uniform light: D_jj = 2 E
-    for (std::size_t c = 0; c < 3; ++c) {
-      moments[3 * f + c] = float(value * e);
-      stored[3 * f + c] = through_half(float(value * e / unit));
-    }
+    for (std::size_t c = 0; c < 3; ++c) moments[3 * f + c] = float(value * e);
   }
+  return moments;
+}
+
+// Stored as halves in units of `unit` lux: the worst relative error of E(n) over normals that see at least a tenth of
+// E.
+double half_error(double e, float unit) {
+  const std::array<float, 36> moments = mixed_light(e);
+  std::array<float, 36> stored{};
+  for (std::size_t i = 0; i < stored.size(); ++i) stored[i] = rounded_to_half(moments[i] / unit);
   double worst = 0;
   constexpr int normals = 500;
   for (int i = 0; i < normals; ++i) {
@@ -42,29 +41,34 @@ double half_error(double e, double unit) {
     const V3f n(V3d(s * std::cos(phi), y, s * std::sin(phi)));
     const auto exact = double(irradiance(Basis::vectors, Reconstruction::optimal, moments.data(), n).x);
     if (exact < 0.1 * e) continue;
-    const double read = double(irradiance(Basis::vectors, Reconstruction::optimal, stored.data(), n).x) * unit;
+    const double read = double(irradiance(Basis::vectors, Reconstruction::optimal, stored.data(), n).x) * double(unit);
     // Halves beyond 65504 are infinite: nothing is left of E.
     worst = std::max(worst, std::isfinite(read) ? std::abs(read / exact - 1) : 1.0);
   }
-  return std::min(worst, 1.0);
+  return worst;
 }
 
-double power_of_two_above(double x) { return std::exp2(std::ceil(std::log2(x))); }
+// Of a grid whose brightest vertex holds that light, as uploads choose it.
+float upload_scale(double e) {
+  float largest = 0;
+  for (const float m : mixed_light(e)) largest = std::max(largest, std::abs(m));
+  return half_scale(largest);
+}
 
 std::vector<StabilityPoint> float16_range(const StabilityParams&) {
   std::vector<StabilityPoint> points;
-  // As grids are uploaded: the brightest value of all comes to 32768 or below.
-  constexpr double greatest_stored = 32768;
-  const double daylight = power_of_two_above(1e5 / greatest_stored);
+  const float daylight = upload_scale(1e5);
+  // Halves round to 2^-11 = 4.9e-4 of each function; E(n) of a tenth of E is a difference of larger ones.
+  constexpr double rounding = 1.2e-3;
   for (int decade = -6; decade <= 6; ++decade) {
     const double e = std::pow(10, decade);
     points.push_back({"no scale", e, half_error(e, 1), {}});
-    // Half rounds to 2^-11, and E(n) of the direct part's far side is a difference of larger numbers.
-    points.push_back({"scaled to the brightest", e, half_error(e, power_of_two_above(e / greatest_stored)), 3e-3});
+    points.push_back({"scaled to the brightest", e, half_error(e, upload_scale(e)), rounding});
     if (e > 1e5) continue;
-    // Below 2^-14 units halves are subnormal: multiples of 2^-24 units.
+    // Below 2^-14 units halves are multiples of 2^-24 units, each off by half of one at most. The errors of the few
+    // functions that make E(n) have either sign, and E(n) may be a tenth of E: three of these steps over E.
     points.push_back({"beside 100,000 lux in one grid", e, half_error(e, daylight),
-                      std::min(1.0, 3e-3 + 10 * std::exp2(-24) * daylight / e)});
+                      rounding + 3 * std::exp2(-24) * double(daylight) / e});
   }
   return points;
 }
@@ -76,8 +80,7 @@ IrradianceGrid bake_chambers(const StabilityWorld& world, const StabilityParams&
   return bake_all_light(world, bake);
 }
 
-// Errors of everything that reads the chambers, placed by to_world: grid and paths before the wall, leaks behind it,
-// and a cube map of uniform light.
+// Errors of what reads the chambers, placed by to_world: grid and paths before the wall, and leaks behind it.
 void add_chamber_errors(const Chambers& chambers, const StabilityParams& params, double x, std::optional<double> lit,
                         std::optional<double> leak, std::vector<StabilityPoint>& points) {
   const StabilityWorld world(make_chambers(chambers));

@@ -83,7 +83,7 @@ double polygon_irradiance(const std::vector<V3d>& corners, const V3d& p, const V
 }
 
 double ball_irradiance(double cosine, double sine2) {
-  if (cosine * cosine >= sine2) return double(pi) * sine2 * std::max(0.0, cosine);
+  if (cosine * cosine >= sine2) return pi_d * sine2 * std::max(0.0, cosine);
   const double sine = std::sqrt(1 - cosine * cosine);
   const double x = std::sqrt(1 / sine2 - 1);
   const double y = -x * cosine / sine;

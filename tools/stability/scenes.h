@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <numbers>
 #include <vector>
 
 #include "tools/stability/scene_builder.h"
@@ -10,6 +11,8 @@
 #include "tracer/probe.h"
 
 namespace ivory {
+
+inline constexpr double pi_d = std::numbers::pi;
 
 // A scene with its acceleration structure and lights.
 struct StabilityWorld {
