@@ -8,6 +8,8 @@ import base64
 import json
 import struct
 
+from files import write_file
+
 FLOAT, UINT16, INT16, INT8 = 5126, 5123, 5122, 5120
 ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
 
@@ -135,13 +137,13 @@ class Gltf:
         if path.suffix == ".glb":
             text = json.dumps({**self.root, "buffers": [buffer]}, separators=(",", ":")).encode()
             text += b" " * (-len(text) % 4)
-            path.write_bytes(b"glTF" + struct.pack("<II", 2, 28 + len(text) + len(self.binary)) +
-                             struct.pack("<I", len(text)) + b"JSON" + text +
-                             struct.pack("<I", len(self.binary)) + b"BIN\0" + self.binary)
+            write_file(path, b"glTF" + struct.pack("<II", 2, 28 + len(text) + len(self.binary)) +
+                       struct.pack("<I", len(text)) + b"JSON" + text +
+                       struct.pack("<I", len(self.binary)) + b"BIN\0" + self.binary)
         else:
             buffer["uri"] = "data:application/octet-stream;base64," + base64.b64encode(self.binary).decode()
             text = json.dumps({**self.root, "buffers": [buffer]}, indent=1)
-            path.write_text(text + "\n", encoding="ascii", newline="\n")
+            write_file(path, text + "\n")
 
 
 def _unit(v):

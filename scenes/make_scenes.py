@@ -12,6 +12,7 @@ import sys
 
 import cornell_spectra
 import shapes
+from files import write_file
 from gltf_writer import Gltf
 from shapes import Blocks, Piece
 
@@ -28,11 +29,11 @@ def rotation_about_y(degrees):
 
 def write_points(path, points, turn):
     """points: (position on a surface, its normal)."""
-    with open(path, "w", encoding="ascii", newline="\n") as out:
-        out.write("x,y,z,nx,ny,nz\n")
-        for p, n in points:
-            offset = tuple(a + PROBE_OFFSET_M * b for a, b in zip(p, n))
-            out.write(",".join(f"{x + 0.0:.7g}" for x in (round(v, 7) for v in (*turn(offset), *turn(n)))) + "\n")
+    lines = ["x,y,z,nx,ny,nz"]
+    for p, n in points:
+        offset = tuple(a + PROBE_OFFSET_M * b for a, b in zip(p, n))
+        lines.append(",".join(f"{x + 0.0:.7g}" for x in (round(v, 7) for v in (*turn(offset), *turn(n)))))
+    write_file(path, "\n".join(lines) + "\n")
 
 
 def sample_surface(pieces, count, keep):
@@ -280,7 +281,7 @@ def sky(folder):
             color = [c + share * s for c, s in zip(color, (70.0, 60.0, 45.0))]
             exponent = math.frexp(max(color))[1]
             data += bytes(int(c * 2.0 ** (8 - exponent)) for c in color) + bytes([exponent + 128])
-    (folder / "sky.hdr").write_bytes(b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n" % (height, width) + bytes(data))
+    write_file(folder / "sky.hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n" % (height, width) + bytes(data))
 
 
 def main(arguments):

@@ -1,7 +1,9 @@
 // ivory chart as a script meets it: a tiny curve, measured, gone on with, drawn.
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -18,9 +20,16 @@ class ChartCommand : public CommandTest {
  protected:
   void SetUp() override {
     CommandTest::SetUp();
+    // Bundled inputs alone: the same points with and without sample data at hand.
+    const char* data = std::getenv("IVORY_DATA");
+    data_ = data != nullptr ? data : "";
+    ::unsetenv("IVORY_DATA");
     if (run_ivory("chart sh9 --list --only none -o " + path("probe")).output.find("finds no Python") !=
         std::string::npos)
       GTEST_SKIP() << "no Python with matplotlib";
+  }
+  void TearDown() override {
+    if (!data_.empty()) ::setenv("IVORY_DATA", data_.c_str(), 1);
   }
   // Four points on the bundled sky: a second of work.
   std::string chart(const std::string& more = "") const {
@@ -28,6 +37,9 @@ class ChartCommand : public CommandTest {
            more;
   }
   std::string read(const std::string& name) const { return bytes_of(path("out/" + name)); }
+
+ private:
+  std::string data_;
 };
 
 int lines(const std::string& text) { return int(std::count(text.begin(), text.end(), '\n')); }
@@ -37,20 +49,31 @@ TEST_F(ChartCommand, MeasuresGoesOnAndDraws) {
   ASSERT_EQ(first.exit_code, 0) << first.output;
   const std::string log = read("results.jsonl");
   int points = 0;
+  double start_up_s = 0;
+  std::map<std::string, double> walls_s;
   std::size_t begin = 0;
   for (std::size_t end = log.find('\n'); end != std::string::npos; begin = end + 1, end = log.find('\n', begin)) {
     const auto record = nlohmann::json::parse(log.substr(begin, end - begin));
     for (const char* field : {"key", "kind", "version", "build", "machine"})
       EXPECT_TRUE(record.contains(field)) << field;
+    if (record.at("kind") == "start_up") {
+      start_up_s = record.at("wall_s").get<double>();
+      EXPECT_GE(record.at("walls_s").size(), 7U);
+      continue;
+    }
     if (record.at("kind") == "step") {
-      for (const char* field : {"command", "seed", "wall_s", "peak_memory_bytes", "load", "result"})
+      for (const char* field : {"command", "seed", "wall_s", "walls_s", "peak_memory_bytes", "foreign", "result"})
         EXPECT_TRUE(record.contains(field)) << field;
       EXPECT_GT(record.at("peak_memory_bytes").get<double>(), 1e6);
+      walls_s[record.at("key")] = record.at("wall_s").get<double>();
       continue;
     }
     ++points;
     EXPECT_GE(record.at("nrmse").get<double>(), 0);
-    EXPECT_GT(record.at("time_s").get<double>(), 0);
+    // Of the one timed command, without the program's start.
+    EXPECT_EQ(record.at("start_up_s").get<double>(), start_up_s);
+    const double wall_s = walls_s.at(record.at("steps").at(0));
+    EXPECT_EQ(record.at("time_s").get<double>(), std::max(0.001, wall_s - start_up_s));
     // Order 0 is a constant: the bundled sky is far from that; nine coefficients hold it to 4 %.
     if (record.at("label") == "order 0") {
       EXPECT_GT(record.at("nrmse").get<double>(), 0.2);
@@ -85,7 +108,17 @@ TEST_F(ChartCommand, FillsTablesOfADocument) {
   const std::string document = path("accuracy.md");
   std::ofstream(document) << "# Accuracy\n\n<!-- chart: sh9 -->\nold\n<!-- /chart -->\nKept.\n<!-- chart: none "
                              "-->\nstays\n<!-- /chart -->\n![SH9](charts/sh9_order.png)\n";
-  const RunResult run = run_ivory(chart("--fill " + document));
+  const std::string old = bytes_of(document);
+  // Four points are not the whole curve: no table of them gets into a document.
+  const RunResult part = run_ivory(chart("--fill " + document));
+  ASSERT_EQ(part.exit_code, 0) << part.output;
+  EXPECT_NE(part.output.find("left as they were: 4 of 8 points are missing, the first sh9/sky/sh9_window/auto"),
+            std::string::npos)
+      << part.output;
+  EXPECT_EQ(bytes_of(document), old);
+  EXPECT_FALSE(fs::exists(path("charts")));
+
+  const RunResult run = run_ivory("chart sh9 --threads 1 -o " + path("out") + " --fill " + document);
   ASSERT_EQ(run.exit_code, 0) << run.output;
   EXPECT_NE(run.output.find("have no none"), std::string::npos) << run.output;
   const std::string text = bytes_of(document);
@@ -100,7 +133,10 @@ TEST_F(ChartCommand, FillsTablesOfADocument) {
 TEST_F(ChartCommand, BadRequests) {
   expect_one_line("chart", 2, "suite");
   expect_one_line("chart quick", 2, "output");
-  EXPECT_EQ(run_ivory("chart nonsense -o " + path("out")).exit_code, 2);
+  expect_one_line("chart nonsense -o " + path("out"), 2, "nonsense");
+  expect_one_line("chart quick --size full -o " + path("out"), 2, "--size");
+  expect_one_line("chart sh9 --size huge -o " + path("out"), 2, "huge");
+  expect_one_line(chart("--fill " + path("missing.md")), 1, "missing.md: no such file");
   expect_one_line("chart sh9 --only nothing_is_called_so -o " + path("out"), 1, "nothing was measured");
 }
 

@@ -76,6 +76,7 @@ void run_chart(const std::vector<std::string>& arguments, const CommonOptions& c
                                   std::string("--ivory"), own_path(), std::string("--source"), source.string()})
     words.push_back(word);
   if (common.quiet) words.push_back("--quiet");
+  if (common.json) words.push_back("--json");
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
@@ -100,13 +101,15 @@ void add_chart_command(CLI::App& app, CommonOptions& common) {
   command
       ->add_option_function<std::string>(
           "suite", [arguments](const std::string& suite) { arguments->insert(arguments->begin(), suite); },
-          "quick (minutes), full (under two hours on two cores), stability (each place where a method\nfails), or one "
-          "curve: grid, bases, sh9, fiv, cubemap, lobes, rates")
+          "quick (minutes), full (under two hours on two cores), or one curve: grid, bases, sh9, fiv, cubemap, lobes,\n"
+          "rates, stability (each place where a method fails)")
       ->required()
+      ->check(CLI::IsMember({"quick", "full", "grid", "bases", "sh9", "fiv", "cubemap", "lobes", "rates", "stability"}))
       ->type_name("SUITE");
   command
-      ->add_option_function<std::vector<std::string>>("-o,--output", pass("--output"),
-                                                      "Folder for results.jsonl, charts (.svg, .png) and index.html\n(SUITE.html of one curve)")
+      ->add_option_function<std::vector<std::string>>(
+          "-o,--output", pass("--output"),
+          "Folder for results.jsonl, charts (.svg, .png) and index.html\n(SUITE.html of one curve)")
       ->expected(1)
       ->required()
       ->type_name("FOLDER");
@@ -120,6 +123,7 @@ void add_chart_command(CLI::App& app, CommonOptions& common) {
       ->add_option_function<std::vector<std::string>>("--size", pass("--size"),
                                                       "Of a single curve: quick or full [quick]")
       ->expected(1)
+      ->check(CLI::IsMember({"quick", "full"}))
       ->type_name("SIZE");
   command
       ->add_option_function<std::vector<std::string>>("--fill", pass("--fill"),

@@ -1,34 +1,36 @@
 """Scenes, meshes and environments that the suites measure on: bundled, generated, or from sample data where that is at hand."""
 import functools
-import json
 import os
-import struct
 import subprocess
 import sys
 
+import gltf_file
+from hashing import digest, file_hash
 from runner import Failure, File
 
 
-def clamp(path, out):
+def clamp(source, out):
     """A copy of a map without the values below zero that filtering left at sharp edges: no light is less than none."""
     # These files are compressed with losses, which bring values below zero back: the copy is not.
     part = out[:-4] + ".part.exr"
     try:
-        subprocess.run(["oiiotool", path, "--ch", "R,G,B", "--maxc", "0", "-d", "float", "--compression", "zip", "-o", part],
+        subprocess.run(["oiiotool", source, "--ch", "R,G,B", "--maxc", "0", "-d", "float", "--compression", "zip", "-o", part],
                        check=True, capture_output=True)
     except (OSError, subprocess.CalledProcessError) as error:
-        raise Failure(f"{path}: cannot be clamped at zero: {error}; install Debian's openimageio-tools") from error
+        raise Failure(f"{source}: cannot be clamped at zero: {error}; install Debian's openimageio-tools") from error
     os.replace(part, out)
 
 
 class Inputs:
-    def __init__(self, source, folder):
-        """source: ivory's source folder, with scenes/."""
+    def __init__(self, source, made, kept=None):
+        """source: ivory's source folder, with scenes/. made: the folder that gets what is generated. kept: one more folder where what
+        takes long to generate may lie ready."""
         self.scenes = os.path.join(source, "scenes")
-        self.made = os.path.join(folder, "scenes")
-        os.makedirs(self.made, exist_ok=True)
-        self.data = os.environ.get("IVORY_DATA", os.path.join(os.path.dirname(source), "shared", "data"))
+        self.made, self.folders = made, [f for f in (kept, made) if f]
+        os.makedirs(made, exist_ok=True)
+        self.data = os.environ.get("IVORY_DATA")
         self.skipped = []  # (what, why)
+        self._ready = {}  # name of what takes long to generate: the folder where it lies
         sys.path.insert(0, self.scenes)
 
     def skip(self, what, why):
@@ -40,6 +42,9 @@ class Inputs:
 
     def sample(self, name):
         """A file of the sample data, or None."""
+        if not self.data:
+            self.skip(name, "IVORY_DATA does not name a folder of sample data")
+            return None
         path = os.path.join(self.data, name)
         if os.path.exists(path):
             return path
@@ -49,26 +54,67 @@ class Inputs:
     def path(self, name):
         return os.path.join(self.made, name)
 
-    def _script(self, script, needed, *arguments):
-        if all(os.path.exists(self.path(n)) for n in needed):
-            return True
-        done = subprocess.run([sys.executable, os.path.join(self.scenes, script), self.made, *arguments],
-                              capture_output=True, text=True)
-        if done.returncode != 0:
-            self.skip(" and ".join(needed), done.stderr.strip().splitlines()[-1] if done.stderr.strip() else script)
-        return done.returncode == 0
+    @staticmethod
+    def _stamp(folder, outputs, sources):
+        """Of the sources, and of what they made; None where something is missing."""
+        paths = [os.path.join(folder, o) for o in outputs]
+        return digest(*sources, *map(file_hash, paths)) if all(map(os.path.exists, paths)) else None
+
+    def _is_ready(self, name, outputs, sources):
+        """Does a stamp NAME.stamp say that these very sources made the outputs just as they lie there?"""
+        for folder in self.folders:
+            stamp = os.path.join(folder, name + ".stamp")
+            if name not in self._ready and os.path.exists(stamp):
+                with open(stamp, encoding="ascii") as file:
+                    if file.read() == self._stamp(folder, outputs, sources):
+                        self._ready[name] = folder
+        return name in self._ready
+
+    def _make(self, name, outputs, sources, make):
+        if not self._is_ready(name, outputs, sources):
+            make()
+            from files import write_file
+            write_file(self.path(name + ".stamp"), self._stamp(self.made, outputs, sources) or "")
+            self._ready[name] = self.made
+
+    def _script(self, script, outputs, *arguments):
+        """The folder with the outputs of a script in scenes/, or None."""
+        mesh = "/usr/share/glmark2/models/bunny.obj"
+        sources = [*arguments, *(file_hash(self.bundled(n)) for n in sorted(os.listdir(self.scenes)) if n.endswith(".py")),
+                   file_hash(mesh) if os.path.exists(mesh) else "no mesh"]
+
+        def make():
+            done = subprocess.run([sys.executable, "-B", self.bundled(script), self.made, *arguments], capture_output=True, text=True)
+            if done.returncode != 0:
+                raise Failure(done.stderr.strip().splitlines()[-1] if done.stderr.strip() else f"{script} failed")
+
+        try:
+            self._make(script, outputs, sources, make)
+        except Failure as failure:
+            self.skip(" and ".join(outputs), str(failure))
+        return self._ready.get(script)
 
     def bunny_room(self):
         """A room with the Stanford bunny, and points on its surfaces; or None."""
-        found = self._script("make_bunny_room.py", ("bunny_room.glb", "bunny_room_points.csv"), "--rotate", "30")
-        return (self.path("bunny_room.glb"), self.path("bunny_room_points.csv")) if found else None
+        outputs = ("bunny_room.glb", "bunny_room_points.csv")
+        folder = self._script("make_bunny_room.py", outputs, "--rotate", "30")
+        return tuple(os.path.join(folder, o) for o in outputs) if folder else None
 
     def bunny(self, name="bunny.glb"):
         """bunny.glb alone, bunny_plane.glb, bunny_gloss.glb under a ball of light; or None."""
-        return self.path(name) if self._script("make_lobes_scenes.py", (name,)) else None
+        folder = self._script("make_lobes_scenes.py", ("bunny.glb", "bunny_plane.glb", "bunny_gloss.glb"))
+        return os.path.join(folder, name) if folder else None
 
     def occluder(self):
         return self.bunny() or self.bundled("knot.glb")
+
+    def _clamped(self, source):
+        """A map without negative values, made where it is first used."""
+        name = os.path.basename(source)
+        sources = [file_hash(source), "clamped at zero"]
+        if self._is_ready(name, (name,), sources):
+            return File(os.path.join(self._ready[name], name))
+        return File(self.path(name), functools.partial(self._make, name, (name,), sources, functools.partial(clamp, source, self.path(name))))
 
     def environments(self, suite):
         """{name: File}: the bundled sky and those of the sample data; all that is at hand in the full suite."""
@@ -83,28 +129,18 @@ class Inputs:
         if os.path.isdir(blender):
             for name in sorted(os.listdir(blender)):
                 if name.endswith(".exr"):
-                    source, out = os.path.join(blender, name), self.path(name)
-                    found[name[:-4]] = File(out, functools.partial(clamp, source, out))
+                    found[name[:-4]] = self._clamped(os.path.join(blender, name))
         else:
             self.skip("eight more environments", "Debian's package blender-data is not installed")
         return found
 
     def with_camera(self, path, name, eye, target, yfov_rad):
         """A copy of a scene with one more camera, first in line; what the scene refers to stays where it is."""
+        from files import write_file
         from gltf_writer import Gltf
-        out = self.path(name)
-        if os.path.exists(out):
-            return out
-        with open(path, "rb") as file:
-            data = file.read()
-        if data[:4] == b"glTF":
-            length = struct.unpack_from("<I", data, 12)[0]
-            root, rest = json.loads(data[20:20 + length]), data[20 + length:]
-        else:
-            root, rest = json.loads(data), b""
-            for entry in root.get("buffers", []) + root.get("images", []):
-                if "uri" in entry and not entry["uri"].startswith("data:"):
-                    entry["uri"] = os.path.relpath(os.path.join(os.path.dirname(path), entry["uri"]), self.made)
+        root, rest = gltf_file.read(path)
+        for entry, file in gltf_file.external(root, os.path.dirname(path)):
+            entry["uri"] = gltf_file.uri(file, self.made)
         view = Gltf()
         view.camera("chart", eye, target, yfov_rad)
         root["cameras"] = view.root["cameras"] + root.get("cameras", [])
@@ -113,11 +149,5 @@ class Inputs:
                 node["camera"] += 1
         root["nodes"].append(view.root["nodes"][0])
         root["scenes"][root.get("scene", 0)].setdefault("nodes", []).append(len(root["nodes"]) - 1)
-        text = json.dumps(root, separators=(",", ":")).encode()
-        if rest:
-            text += b" " * (-len(text) % 4)
-            text = b"glTF" + struct.pack("<IIII", 2, 20 + len(text) + len(rest), len(text), 0x4E4F534A) + text + rest
-        with open(out + ".part", "wb") as file:
-            file.write(text)
-        os.replace(out + ".part", out)
-        return out
+        write_file(self.path(name), gltf_file.data(root, rest))
+        return self.path(name)

@@ -34,19 +34,35 @@ def table(rows, head, front=()):
     return "<table>" + "".join(lines) + "</table>"
 
 
+def start_up(records):
+    taken = [r["start_up_s"] for r in records if r["start_up_s"] > 0]
+    if not taken:
+        return "where it is not what the command reports itself."
+    span = " to ".join(dict.fromkeys(tables.seconds(s) for s in (min(taken), max(taken))))
+    return f"but the {span} of each command in which the program starts and links its libraries (`ivory --version`)."
+
+
+def disturbance(records):
+    """What others took of the processors while points were timed, the worst first."""
+    known = [r for r in records if r["foreign"] is not None]
+    if not known:
+        return "What others took of the processors meanwhile is not known."
+    worst = max(known, key=lambda r: r["foreign"])
+    return (f"Others took at most {tables.percent(worst['foreign'])} of one core meanwhile (`{worst['name']}`); commands under which they "
+            "took more than 10 % were run again, up to twice.")
+
+
 def write(folder, suite, whole, sections, skipped, records, runner):
     """index.html of a whole suite, SUITE.html of a part. sections: [(id, title, about, figures, tables: [(heading, head, rows, front)])]."""
     machines = {(r["machine"]["cpu"], r["machine"]["cores"]) for r in records}
-    loads = [r["load"] for r in records if r["kind"] == "point" and r["time_s"] > 0]
     builds = sorted({r["build"] for r in records})
     out = ["<!doctype html><html lang=en><meta charset=utf-8><title>ivory: speed against accuracy</title>",
            f"<style>{STYLE}</style><h1>ivory: speed against accuracy</h1>",
            paragraph(f"Suite `{suite}`, {runner.version} (build {', '.join(builds)}), "
-                     f"{'; '.join(f'{cpu}, {cores} cores' for cpu, cores in sorted(machines))}, {runner.threads} threads; load while "
-                     f"timing {min(loads, default=0):.1f} to {max(loads, default=0):.1f}. Each mark is one or two commands; all are in "
-                     "results.jsonl with seed, machine, time and peak memory. Time: the whole command, reading the scene included, the "
-                     "least of three where it is under a second. Rings and dashes: the Pareto front, which nothing else is both "
-                     "cheaper and better than."),
+                     f"{'; '.join(f'{cpu}, {cores} cores' for cpu, cores in sorted(machines))}, {runner.threads} threads. Each mark is "
+                     "one or two commands; all are in results.jsonl with seed, machine, time and peak memory. Time: the whole command, "
+                     f"reading the scene included, {start_up(records)} The least of three runs counts where it is under a second. "
+                     f"{disturbance(records)} Rings and dashes: the Pareto front, which nothing else is both cheaper and better than."),
            "<nav>" + "".join(f'<a href="#{i}">{html.escape(t)}</a>' for i, t, *_ in sections) + "</nav>"]
     for identifier, title, about, figures, section_tables in sections:
         out.append(f'<h2 id="{identifier}">{html.escape(title)}</h2>{paragraph(about)}')

@@ -1,7 +1,6 @@
 """Points for `ivory probe`, and errors of what it reads there."""
 import csv
 import math
-import os
 import random
 
 
@@ -51,13 +50,9 @@ def direction(rng):
 
 
 def write(path, points):
-    """points: (place, normal). The same bytes every time; an existing file is kept."""
-    if not os.path.exists(path):
-        with open(path + ".part", "w", encoding="ascii", newline="\n") as out:
-            out.write("x,y,z,nx,ny,nz\n")
-            for p, n in points:
-                out.write(",".join(f"{x + 0.0:.7g}" for x in (*p, *n)) + "\n")
-        os.replace(path + ".part", path)
+    """points: (place, normal). The same bytes every time."""
+    from files import write_file
+    write_file(path, "x,y,z,nx,ny,nz\n" + "".join(",".join(f"{x + 0.0:.7g}" for x in (*p, *n)) + "\n" for p, n in points))
     return path
 
 

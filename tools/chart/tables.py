@@ -86,8 +86,8 @@ def markdown(head, rows):
                      ["| " + " | ".join(str(c) for c in row) + " |" for row in rows]) + "\n"
 
 
-def rewrite(path, tables, folder):
-    """Replaces what stands between the markers, and copies the charts that the document shows as charts/NAME.png or .svg to
+def rewrite(path, tables, folder, charts):
+    """Replaces what stands between the markers, and copies those of the charts that the document shows as charts/NAME.png or .svg to
     beside it; returns what the results do not have."""
     with open(path, encoding="utf-8") as file:
         text = file.read()
@@ -101,7 +101,7 @@ def rewrite(path, tables, folder):
 
     new = MARKER.sub(fill, text)
     for name in dict.fromkeys(re.findall(r"\]\(charts/([a-z0-9_]+\.(?:png|svg))\)", text)):
-        if os.path.exists(os.path.join(folder, name)):
+        if name.rsplit(".", 1)[0] in charts and os.path.exists(os.path.join(folder, name)):
             target = os.path.join(os.path.dirname(path), "charts")
             os.makedirs(target, exist_ok=True)
             shutil.copyfile(os.path.join(folder, name), os.path.join(target, name))
