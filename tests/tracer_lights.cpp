@@ -188,7 +188,8 @@ TEST(Lights, PhotonsCrossADiscAsIrradianceSays) {
   }
 }
 
-TEST(Lights, ArePickedInProportionToPower) {
+// q = p / 2 + 1 / 6, with power by the strongest channel.
+TEST(Lights, ArePickedByPowerAndEvenly) {
   Scene scene;
   scene.lights.push_back(point_at({0, 0, 2}, {9, 9, 9}));
   scene.lights.push_back(point_at({0, 2, 0}, {1, 1, 1}));
@@ -202,7 +203,7 @@ TEST(Lights, ArePickedInProportionToPower) {
     from_z.add(s->w.z > 0.5F ? 1 : 0);
     blue.add(s->w.x > 0.5F ? double(s->irradiance_weight.z) : 0);
   }
-  EXPECT_LT(std::abs(z_score(from_z, 9 / (10 + 0.0722e-3))), z_limit);
+  EXPECT_LT(std::abs(z_score(from_z, 0.5 * 9 / (10 + 1e-3) + 1.0 / 6)), z_limit);
   EXPECT_LT(std::abs(z_score(blue, 1e-3 / 4)), z_limit);
 }
 

@@ -1,5 +1,6 @@
 #include "tracer/direct_light.h"
 
+#include <algorithm>
 #include <cmath>
 
 // With p_l(w) the density of light sampling and p_b(w) that of the BSDF, the two estimators
@@ -25,6 +26,12 @@ float weight(float pdf_bsdf, float pdf_light, DirectStrategy strategy) {
   return strategy == DirectStrategy::light ? 0.0F : power_heuristic(pdf_bsdf, pdf_light);
 }
 
+// Eight units in the last place of the largest coordinate of either end.
+float point_clearance_m(const V3f& a, const V3f& b) {
+  return 0x1p-20F *
+         std::max({std::abs(a.x), std::abs(a.y), std::abs(a.z), std::abs(b.x), std::abs(b.y), std::abs(b.z)});
+}
+
 }  // namespace
 
 Rgb sample_direct(const Intersector& intersector, const Lights& lights, const Surface& surface, const Bsdf& bsdf,
@@ -44,13 +51,18 @@ Rgb sample_direct(const Intersector& intersector, const Lights& lights, const Su
   shadow.origin = offset_origin(surface.p, surface.ng, light->w, surface.reach_m);
   shadow.direction = light->w;
   if (std::isfinite(light->distance_m)) {
-    // Aimed anew at the very point of the light, so that stopping a little short of it keeps clear
-    // of the emitter's own surface even at grazing angles.
-    const V3f to_light = surface.p + light->w * light->distance_m - shadow.origin;
-    const float distance = to_light.length();
-    if (!(distance > 0)) return radiance;
-    shadow.direction = to_light / distance;
-    shadow.t_max = distance * (1.0F - 1e-4F);
+    // Both ends stay clear of their own surfaces by the rounding error of the coordinates, whatever the distance
+    // between them: an emitter's end along its normal, as a ray leaving it would start. A lamp without a surface
+    // may hang in the plane of one (a ceiling), where hit or miss would be up to rounding: a few units in the
+    // last place short of it.
+    const bool has_surface = light->ng != V3f(0, 0, 0);
+    const V3f end = has_surface ? offset_origin(light->point, light->ng, -light->w, light->reach_m) : light->point;
+    const V3f to_end = end - shadow.origin;
+    // The two clearances overlap: there is no room left in which anything could be told apart.
+    if (!(to_end.dot(light->w) > 0)) return radiance;
+    const float distance = to_end.length();
+    shadow.direction = to_end / distance;
+    shadow.t_max = has_surface ? distance : distance - point_clearance_m(surface.p, end);
   }
   return radiance * intersector.transmittance(shadow);
 }

@@ -1,5 +1,6 @@
 #include "tracer/lights.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "grid/error.h"
@@ -21,6 +22,34 @@ BoundingSphere sphere_around(const Intersector& intersector) {
   return radius > 0 ? BoundingSphere{intersector.center(), radius} : BoundingSphere{V3f(0, 0, 0), 1.0F};
 }
 
+// Who is picked. By power alone, a sun, whose power is that through the disc over the whole scene, leaves a lamp
+// indoors one pick in a million: what it lights gets its mean from fireflies. Nobody knows beforehand who lights
+// what, so half of the picks go by power and half evenly over the groups: each punctual light, each instance that
+// emits, the environment. With q the share of a group and p its share of power,
+//
+//   q = p / 2 + 1 / (2 groups)     so that   q >= p / 2,   q >= 1 / (2 groups):
+//
+// no estimate has more than twice the variance of picking by power, lights of equal power and single lights are
+// picked as by power, and none is starved. Inside an instance triangles share by power. Power is that of the
+// strongest channel: by luminance a blue lamp would get a fourteenth of the picks of a white one of the same
+// radiant power. `group` holds a number below `groups` for each light.
+std::vector<double> pick_weights(const std::vector<double>& power, const std::vector<std::size_t>& group,
+                                 std::size_t groups) {
+  std::vector<double> group_power(groups, 0);
+  for (std::size_t i = 0; i < power.size(); ++i) group_power[group[i]] += power[i];
+  double total = 0;
+  double shining = 0;
+  for (const double p : group_power) {
+    total += p;
+    if (p > 0) shining += 1;
+  }
+  std::vector<double> weights(power.size(), 0);
+  for (std::size_t i = 0; i < power.size(); ++i) {
+    if (power[i] > 0) weights[i] = 0.5 * power[i] / total + 0.5 * power[i] / group_power[group[i]] / shining;
+  }
+  return weights;
+}
+
 }  // namespace
 
 // Lights are numbered punctual first, then triangles, then the environment.
@@ -30,8 +59,17 @@ struct Lights::State {
   std::vector<TriangleLight> triangles;
   std::vector<std::vector<int>> triangle_index;  // [instance][triangle] -> triangles; empty for dark instances
   std::optional<EnvironmentLight> environment;
-  AliasTable table;
-  std::vector<float> probability;  // of picking each light
+  struct Choice {
+    AliasTable table;
+    std::vector<float> probability;  // of picking each light
+
+    Choice() = default;
+    explicit Choice(const std::vector<double>& weights) : table(weights), probability(weights.size(), 0.0F) {
+      std::ranges::transform(table.probabilities(), probability.begin(), [](double p) { return float(p); });
+    }
+  };
+  Choice for_photons;
+  Choice for_sampling;
   Rgb total_power{0, 0, 0};
 
   std::size_t punctual_count() const { return scene->lights.size(); }
@@ -57,32 +95,35 @@ Lights::Lights(const Scene& scene, const Intersector& intersector) : state_(std:
   }
 
   std::vector<double> weights;
+  std::vector<double> powers;
+  std::vector<std::size_t> groups;
   double total[3] = {0, 0, 0};
-  const auto add = [&](const Rgb& power, const std::string& what) {
+  const auto add = [&](const Rgb& power, std::size_t group, const std::string& what) {
     if (!is_finite(power))
       throw Error(scene.name, what + " has a power that is not finite", "correct its intensity or colour");
     weights.push_back(double(luminance(power)));
+    powers.push_back(std::max(0.0, double(max_component(power))));
+    groups.push_back(group);
     for (int c = 0; c < 3; ++c) total[c] += double(power[c]);
   };
   for (std::size_t i = 0; i < scene.lights.size(); ++i)
-    add(power_lm(scene.lights[i], state.sphere), "light " + std::to_string(i));
+    add(power_lm(scene.lights[i], state.sphere), i, "light " + std::to_string(i));
   for (const TriangleLight& light : state.triangles)
-    add(power_lm(light),
+    add(power_lm(light), scene.lights.size() + std::size_t(light.instance),
         "emissive triangle " + std::to_string(light.triangle) + " of instance " + std::to_string(light.instance));
-  if (state.environment) add(power_lm(*state.environment, state.sphere), "the environment");
+  const std::size_t environment_group = scene.lights.size() + scene.instances.size();
+  if (state.environment) add(power_lm(*state.environment, state.sphere), environment_group, "the environment");
 
-  state.table = AliasTable(weights);
+  state.for_photons = State::Choice(weights);
+  state.for_sampling = State::Choice(pick_weights(powers, groups, environment_group + 1));
   state.total_power = Rgb(float(total[0]), float(total[1]), float(total[2]));
-  state.probability.reserve(weights.size());
-  for (const double weight : weights)
-    state.probability.push_back(state.table.empty() ? 0.0F : float(weight / state.table.total()));
 }
 
 Lights::~Lights() = default;
 Lights::Lights(Lights&&) noexcept = default;
 Lights& Lights::operator=(Lights&&) noexcept = default;
 
-bool Lights::empty() const { return state_->table.empty(); }
+bool Lights::empty() const { return state_->for_sampling.table.empty(); }
 
 bool Lights::has_extended() const {
   return !state_->triangles.empty() || (state_->environment && !state_->environment->texels.empty());
@@ -92,8 +133,8 @@ Rgb Lights::total_power_lm() const { return state_->total_power; }
 
 EmittedPhoton Lights::emit(RandomStream& random) const {
   const State& state = *state_;
-  if (state.table.empty()) return {state.sphere.center, V3f(0, 0, 1), Rgb(0, 0, 0)};
-  const std::size_t pick = state.table.sample(random);
+  if (state.for_photons.table.empty()) return {state.sphere.center, V3f(0, 0, 1), Rgb(0, 0, 0)};
+  const std::size_t pick = state.for_photons.table.sample(random);
   EmittedPhoton photon;
   if (pick < state.punctual_count()) {
     photon = ivory::emit(state.scene->lights[pick], state.sphere, random);
@@ -102,14 +143,15 @@ EmittedPhoton Lights::emit(RandomStream& random) const {
   } else {
     photon = ivory::emit(*state.environment, state.sphere, random);
   }
-  photon.power /= state.probability[pick];
+  photon.power /= state.for_photons.probability[pick];
   return photon;
 }
 
 std::optional<LightSample> Lights::sample(const V3f& p, RandomStream& random) const {
   const State& state = *state_;
-  if (state.table.empty()) return std::nullopt;
-  const std::size_t pick = state.table.sample(random);
+  const State::Choice& choice = state.for_sampling;
+  if (choice.table.empty()) return std::nullopt;
+  const std::size_t pick = choice.table.sample(random);
   std::optional<LightSample> s;
   if (pick < state.punctual_count()) {
     s = ivory::sample(state.scene->lights[pick], p);
@@ -119,8 +161,8 @@ std::optional<LightSample> Lights::sample(const V3f& p, RandomStream& random) co
     s = ivory::sample(*state.environment, random);
   }
   if (!s) return s;
-  s->irradiance_weight /= state.probability[pick];
-  s->pdf_solid_angle *= state.probability[pick];
+  s->irradiance_weight /= choice.probability[pick];
+  s->pdf_solid_angle *= choice.probability[pick];
   return s;
 }
 
@@ -130,14 +172,14 @@ float Lights::pdf_solid_angle(const V3f& p, const Hit& hit) const {
   if (index.empty()) return 0;
   const int light = index[std::size_t(hit.triangle)];
   if (light == no_index) return 0;
-  return state.probability[state.punctual_count() + std::size_t(light)] *
+  return state.for_sampling.probability[state.punctual_count() + std::size_t(light)] *
          ivory::pdf_solid_angle(state.triangles[std::size_t(light)], p, hit.barycentric);
 }
 
 float Lights::environment_pdf_solid_angle(const V3f& w) const {
   const State& state = *state_;
   if (!state.environment) return 0;
-  return state.probability[state.environment_index()] * ivory::pdf_solid_angle(*state.environment, w);
+  return state.for_sampling.probability[state.environment_index()] * ivory::pdf_solid_angle(*state.environment, w);
 }
 
 Rgb Lights::environment_radiance(const V3f& w) const {

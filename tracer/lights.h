@@ -1,5 +1,5 @@
 // All that shines in a scene, under one interface: punctual lights, emissive triangles,
-// the environment. Power decides who is picked, for photons and for next-event estimation.
+// the environment. Power and an even share each decide who is picked.
 #pragma once
 
 #include <memory>
@@ -22,6 +22,11 @@ struct LightSample {
   Rgb irradiance_weight;      // L / pdf_solid_angle, or I / r^2 / pick probability: times f cos gives radiance
   float pdf_solid_angle = 0;  // of this w among all non-delta lights, pick probability included; 0 for delta lights
   bool delta = false;
+  // Where light at a finite distance comes from: the point, the unit normal of the emitter (0 for a point in
+  // space) and its reach as offset_origin() takes it. For sample_direct() to end its shadow ray by.
+  V3f point{0, 0, 0};
+  V3f ng{0, 0, 0};
+  float reach_m = 0;
 };
 
 class Lights {
@@ -40,7 +45,7 @@ class Lights {
   // One photon. Its power is total flux / pick probability..., near constant in luminance.
   EmittedPhoton emit(RandomStream& random) const;
 
-  // One light as seen from p, picked in proportion to power; nothing when that light cannot reach p
+  // One light as seen from p, half by power and half evenly; nothing when that light cannot reach p
   // (behind an emitter's dark side, outside a spot's cone). Visibility is the caller's.
   std::optional<LightSample> sample(const V3f& p, RandomStream& random) const;
 

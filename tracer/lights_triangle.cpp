@@ -103,6 +103,7 @@ std::vector<TriangleLight> make_triangle_lights(const Scene& scene) {
       light.area_m2 = float(0.5 * length);
       if (!(light.area_m2 > 0) || is_black(light.mean_radiance)) continue;
       light.ng = V3f(normal * (double(side) / length));
+      light.reach_m = triangle_reach_m(scene, int(i), int(t));
       light.double_sided = material.double_sided;
       light.instance = int(i);
       light.triangle = int(t);
@@ -125,7 +126,7 @@ EmittedPhoton emit(const Scene& scene, const TriangleLight& light, RandomStream&
   const V3f direction = make_frame(n).to_world(sample_cosine_hemisphere(random.next2())).normalized();
   const V3f p = light.vertex + light.edge1 * b.x + light.edge2 * b.y;
   const Rgb radiance = radiance_at(scene, light.instance, light.triangle, b);
-  return {offset_origin(p, light.ng, direction, triangle_reach_m(scene, light.instance, light.triangle)), direction,
+  return {offset_origin(p, light.ng, direction, light.reach_m), direction,
           radiance * (pi * light.area_m2 * (light.double_sided ? 2.0F : 1.0F))};
 }
 
@@ -142,7 +143,8 @@ float area_to_solid_angle(const TriangleLight& light, const V3f& w, float r2) {
 
 std::optional<LightSample> sample(const Scene& scene, const TriangleLight& light, const V3f& p, RandomStream& random) {
   const V2f b = sample_triangle(random.next2());
-  const V3f d = light.vertex + light.edge1 * b.x + light.edge2 * b.y - p;
+  const V3f point = light.vertex + light.edge1 * b.x + light.edge2 * b.y;
+  const V3f d = point - p;
   const float r2 = d.dot(d);
   if (!(r2 > 0)) return std::nullopt;
   const float r = std::sqrt(r2);
@@ -151,7 +153,7 @@ std::optional<LightSample> sample(const Scene& scene, const TriangleLight& light
   if (!(pdf > 0) || !std::isfinite(pdf)) return std::nullopt;
   const Rgb radiance = radiance_at(scene, light.instance, light.triangle, b);
   if (is_black(radiance)) return std::nullopt;
-  return LightSample{w, r, radiance / pdf, pdf, false};
+  return LightSample{w, r, radiance / pdf, pdf, false, point, light.ng, light.reach_m};
 }
 
 float pdf_solid_angle(const TriangleLight& light, const V3f& p, const V2f& b) {

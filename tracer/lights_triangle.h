@@ -13,6 +13,7 @@ struct TriangleLight {
   V3f edge2;
   V3f ng;  // unit, world, of the front side: the side that emits
   float area_m2 = 0;
+  float reach_m = 0;  // as triangle_reach_m()
   bool double_sided = false;
   int instance = no_index;
   int triangle = no_index;
