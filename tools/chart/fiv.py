@@ -3,7 +3,7 @@ import pathlib
 import random
 
 import tables
-from grid import errors
+from grid import errors, path_tracing_seconds
 from plot import slug
 from runner import File, Out, Point, Step
 
@@ -12,6 +12,7 @@ ABOUT = """First, planes beside and through one occluder, and several over one p
 texel of the environment, one line a number of spheres or samples. Then whole pictures of occluders on a floor under the sky against
 path tracing (one bounce: light of the sky and its shadow): the bake counts once, however many occluders it serves."""
 
+AMBIENT_BYTES = 6 * 64 * 64 * 3 * 4  # the irradiance map of the unshadowed light, floats
 CASES = {"floating": ("six_hemispheres",), "standing": ("six_hemispheres", "one_vector", "published_scale"),
          "tilted": ("six_hemispheres", "one_vector", "published_scale"), "two": ("covers", "discs", "product", "uncorrected"),
          "four": ("covers", "discs", "product", "uncorrected")}
@@ -90,29 +91,30 @@ def picture_points(suite, inputs):
             references = [Step(("render", scene, *env, "--method", "path", "--max-bounces", 1, "--samples", reference, "--size", size,
                                 "--seed", seed, Out("exr"))) for seed in (101, 102)]
 
-            def picture(series, label, image, bake, memory, join=True):
+            def picture(series, label, image, bakes, memory, join=True):
                 compare = Step(("compare", image, *references))
 
                 def measure(run):
                     return {**errors(run.result(compare)), "memory_bytes": memory, "occluders": count,
-                            "picture_s": run.seconds(image), "bake_s": run.seconds(bake) if bake else 0.0}
+                            "picture_s": run.seconds(image), "bake_s": sum(run.seconds(b) for b in bakes)}
 
-                return Point("fiv", panel, series, label, [s for s in (bake, image, compare) if s], measure, join)
+                return Point("fiv", panel, series, label, [*bakes, image, compare], measure, join)
 
+            ambient = Step(("bake", "difmap", environments[name], "--size", 64, Out("exr")), timed=True)
             for n in samples_of_paths:
                 yield picture("path tracing", str(n), Step(("render", scene, *env, "--method", "path", "--max-bounces", 1, "--samples", n,
-                                                            "--size", size, Out("exr")), timed=True), None, 0)
+                                                            "--size", size, Out("exr")), timed=True), (), 0)
             for samples, hemispheres, precision in tables_wanted:
                 bake = Step(("bake", "fiv", knot, *env, "--samples", samples, "--hemispheres", hemispheres, "--precision", precision,
                              Out("exr")), timed=True)
                 for overlap in ("covers", *extra):
                     image = Step(("render", scene, *env, "--method", "fiv", "--occluder", ("knot=", bake), "--samples", 4, "--size", size,
-                                  "--overlap", overlap, Out("exr")), timed=True)
+                                  "--overlap", overlap, "--ambient", ambient, Out("exr")), timed=True)
                     series = "six hemispheres" if hemispheres == 6 else "one vector"
                     series += "" if precision == "float32" else ", float16"
                     series += "" if overlap == "covers" else f", overlaps by {overlap}"
-                    memory = table_bytes(samples, hemispheres) // (1 if precision == "float32" else 2)
-                    yield picture(series, samples, image, bake, memory, overlap == "covers")
+                    memory = table_bytes(samples, hemispheres) // (1 if precision == "float32" else 2) + AMBIENT_BYTES
+                    yield picture(series, samples, image, (bake, ambient), memory, overlap == "covers")
 
         if full:
             sizes = [(s, h, "float32") for h in (6, 1) for s in ("16,9,8", "32,17,15", "64,33,30", "128,65,30")]
@@ -159,16 +161,19 @@ def draw(records, figures):
         figures.costs([r for r in pictures if r["panel"] == panel], slug("fiv", panel),
                       f"FIV tables in a picture: {panel}", "", axes=(("time_s", "nrmse"), ("picture_s", "nrmse"), ("memory_bytes", "nrmse"),
                                                                      ("picture_s", "relative_rmse")))
-    many = [r for r in pictures if r["series"] in ("six hemispheres", "path tracing")]
-    counts = sorted({r["occluders"] for r in many})
+    counts = sorted({r["occluders"] for r in pictures})
     if len(counts) > 1:
+        # One setting that all numbers of occluders have.
+        common = set.intersection(*({r["label"] for r in pictures if r["occluders"] == c and r["series"] == "six hemispheres"} for c in counts))
         lines = []
-        for name in dict.fromkeys(r["panel"].split(", ")[1] for r in many):
-            line = sorted((r["occluders"], r["picture_s"]) for r in many if r["panel"].endswith(", " + name) and
-                          r["series"] == "six hemispheres" and r["label"] in ("64,33,30", "32,17,15"))
-            line = sorted(dict(line).items())
-            lines.append((f"tables, {name}", [c for c, _ in line], [s for _, s in line], None, None))
-        figures.sweep("fiv_occluders", "FIV tables: time of a picture by the number of occluders", "",
+        for name in dict.fromkeys(r["panel"].split(", ")[1] for r in pictures):
+            here = [r for r in pictures if r["panel"].endswith(", " + name)]
+            tabled = sorted((r for r in here if r["series"] == "six hemispheres" and r["label"] == max(common)), key=lambda r: r["occluders"])
+            same = [path_tracing_seconds([p for p in here if p["occluders"] == r["occluders"]], r["nrmse"]) for r in tabled]
+            xs = [r["occluders"] for r in tabled]
+            lines += [(f"tables, {name}", xs, [r["picture_s"] for r in tabled], None, None),
+                      (f"path tracing to the same error, {name}", xs, same, None, None)]
+        figures.sweep("fiv_occluders", f"FIV tables of {max(common).replace(',', '×')} samples: time of a picture by the number of occluders", "",
                       [("", "occluders", "s", True, True, lines)])
 
 

@@ -16,12 +16,18 @@ COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#7
 MARKS = "osD^vP*X<>"
 
 
+def error_of(record, y):
+    """The error to plot and to compare: where it is less than its own standard error (the references' noise taken off, it can even
+    come out as 0), only "at most that" is known."""
+    return max(record.get(y) or 0, record.get(f"{y}_se") or 0)
+
+
 def pareto(records, x, y):
-    """Those that no other is both cheaper and better than, by cost."""
+    """Those that are better than all that is cheaper, by more than their standard error; by cost."""
     best, front = math.inf, []
-    for r in sorted((r for r in records if r.get(x, 0) > 0 and r.get(y, 0) > 0), key=lambda r: (r[x], r[y])):
-        if r[y] < best:
-            best = r[y]
+    for r in sorted((r for r in records if r.get(x, 0) > 0 and error_of(r, y) > 0), key=lambda r: (r[x], error_of(r, y))):
+        if error_of(r, y) + (r.get(f"{y}_se") or 0) < best:
+            best = error_of(r, y)
             front.append(r)
     return front
 
@@ -107,9 +113,8 @@ class Figures:
                                          constrained_layout=True)
         series = list(dict.fromkeys(r["series"] for r in records))
         for panel, (x, y) in zip(panels.flat, axes):
-            floor = max((r.get(f"{y}_floor", 0) for r in records), default=0)
             for i, s in enumerate(series):
-                self._line(panel, [r for r in records if r["series"] == s], x, y, s, i, floor)
+                self._line(panel, [r for r in records if r["series"] == s], x, y, s, i)
             self._frame(panel, records, x, y, {**NAMES, **(names or {})})
         for panel in panels.flat[len(axes):]:
             panel.remove()
@@ -121,22 +126,17 @@ class Figures:
         self.save(figure, name, title, caption)
 
     @staticmethod
-    def _line(panel, records, x, y, label, i, floor):
-        points = sorted((r for r in records if r.get(x, 0) > 0 and r.get(y, 0) > 0), key=lambda r: r[x])
+    def _line(panel, records, x, y, label, i):
+        points = sorted((r for r in records if r.get(x, 0) > 0 and error_of(r, y) > 0), key=lambda r: r[x])
         if not points:
             return
-        xs, ys = [r[x] for r in points], [r[y] for r in points]
-        error = [min(r.get(f"{y}_se", 0), 0.9 * r[y]) for r in points]
+        xs, ys = [r[x] for r in points], [error_of(r, y) for r in points]
+        error = [min(r.get(f"{y}_se") or 0, 0.9 * py) for r, py in zip(points, ys)]
         colour, mark = COLOURS[i % len(COLOURS)], MARKS[(i + i // len(COLOURS)) % len(MARKS)]
         panel.errorbar(xs, ys, yerr=error if any(error) else None, fmt=mark + ("-" if points[0].get("join", True) else ""), color=colour, markersize=4.5, linewidth=1,
                        elinewidth=0.8, label=label, markerfacecolor=colour if i < len(COLOURS) else "white")
-        # Below what the reference can tell: somewhere under its floor.
-        below = [(r["label"], (r[x], floor / 3)) for r in records if floor > 0 and r.get(x, 0) > 0 and r.get(y) == 0]
-        panel.plot([at[0] for _, at in below], [at[1] for _, at in below], "v", color=colour, markersize=4.5)
         for r, px, py in zip(points, xs, ys):
-            panel.annotate(r["label"], (px, py), textcoords="offset points", xytext=(4, 3), fontsize=5.5, color=colour)
-        for text, at in below:
-            panel.annotate(text, at, textcoords="offset points", xytext=(4, 3), fontsize=5.5, color=colour)
+            panel.annotate(("≤ " if r[y] < py else "") + r["label"], (px, py), textcoords="offset points", xytext=(4, 3), fontsize=5.5, color=colour)
 
     @staticmethod
     def _frame(panel, records, x, y, names):
@@ -146,11 +146,12 @@ class Figures:
         panel.set_ylabel(names.get(y, y))
         floor = max((r.get(f"{y}_floor", 0) for r in records), default=0)
         if floor > 0:
-            panel.axhspan(floor / 3, floor, color="#999999", alpha=0.25, linewidth=0, label="below the reference's standard error")
+            panel.axhline(floor, color="#888888", linewidth=2.5, alpha=0.5, zorder=0, label="standard error of the reference")
         front = pareto(records, x, y)
         if front:
-            panel.plot([r[x] for r in front], [r[y] for r in front], "--", color="black", linewidth=0.9, alpha=0.6, zorder=1)
-            panel.plot([r[x] for r in front], [r[y] for r in front], "o", color="black", fillstyle="none", markersize=9,
+            best = [error_of(r, y) for r in front]
+            panel.plot([r[x] for r in front], best, "--", color="black", linewidth=0.9, alpha=0.6, zorder=1)
+            panel.plot([r[x] for r in front], best, "o", color="black", fillstyle="none", markersize=9,
                        markeredgewidth=0.8, linestyle="none", label="Pareto front", zorder=1)
 
     def bars(self, name, title, panels):

@@ -6,7 +6,7 @@ import os
 import re
 import shutil
 
-from plot import pareto
+from plot import error_of, pareto
 
 MARKER = re.compile(r"(<!-- chart: ([a-z0-9_]+) -->\n)(.*?)(<!-- /chart -->)", re.DOTALL)
 
@@ -22,7 +22,7 @@ def number(x, digits=3):
 
 
 def is_number(text):
-    return bool(re.match(r"^[-+]?[\d.,]+(e[-+]\d+)?( ?(±|%|s|ms|ns|KiB|MiB|B).*)?$", str(text)))
+    return bool(re.match(r"^[-+]?[\d.,]+(e[-+]\d+)?( ?(±|%|s|ms|ns|kB|MB|B).*)?$", str(text)))
 
 
 def seconds(s):
@@ -30,7 +30,7 @@ def seconds(s):
 
 
 def size(b):
-    for unit, scale in (("MiB", 2**20), ("KiB", 2**10)):
+    for unit, scale in (("MB", 1e6), ("kB", 1e3)):
         if b >= scale:
             return f"{number(b / scale)} {unit}"
     return f"{b:.0f} B" if b else "–"
@@ -38,6 +38,11 @@ def size(b):
 
 def percent(x):
     return f"{number(100 * x)} %"
+
+
+def nrmse(record):
+    """With "at most" before it where its standard error is larger."""
+    return ("≤ " if record["nrmse"] < error_of(record, "nrmse") else "") + percent(error_of(record, "nrmse"))
 
 
 def points_table(records):
@@ -63,11 +68,11 @@ def front_table(records):
     for panel in dict.fromkeys(r["panel"] for r in records):
         for r in pareto([r for r in records if r["panel"] == panel], "time_s", "nrmse"):
             lines.append(f"| {panel} | {r['series']} | {r['label']} | {seconds(r['time_s'])} | {size(r['memory_bytes'])} | "
-                         f"{percent(r['nrmse'])} |")
+                         f"{nrmse(r)} |")
     return "\n".join(lines) + "\n"
 
 
-def never_on_front(records):
+def on_front(records):
     """Of each method: in how many panels it is on the front of error against time, and against memory; in Markdown."""
     panels = list(dict.fromkeys(r["panel"] for r in records))
     rows = []
