@@ -20,7 +20,7 @@ def points(suite, inputs, runner):
         step = Step(("bench", "stability", name, *(["--quick"] if suite == "quick" else [])), timed=True, seconds="once")
 
         def measure(run, step=step):
-            lines = run.result(step)["lines"]
+            lines = run.result(step)["points"]
             within = all(p["bound"] is None or p["error"] <= p["bound"] for p in lines)
             return {"points": lines, "within_bounds": within, "nrmse": 0.0}
 
