@@ -18,10 +18,6 @@ RADIUS_M = 0.25
 GAPS_M = {"quick": (0.75, 0.3, 0.05, 0.01), "full": (0.75, 0.5, 0.3, 0.2, 0.1, 0.05, 0.02, 0.01)}
 
 
-def map_bytes(texels):
-    return 6 * texels * texels * (3 * 4 + 4 * 4)  # radiance, and inverse distances of four corners
-
-
 def box(inputs):
     """Half side 1 m, a wall a colour, a lamp in the ceiling."""
     import shapes
@@ -79,8 +75,8 @@ def points(suite, inputs, runner):
         bench = Step(("bench", "cubemap", made), threads=1)
 
         def measure(run):
-            return {**probes.errors(probes.rows(run.output(probe)), probes.rows(run.output(truth))), "memory_bytes": map_bytes(texels),
-                    "read_ns": run.result(bench)["maps"][0][f"{lookup}_ns"], **more}
+            costs = run.result(bench)["maps"][0]
+            return {**probes.errors(probes.rows(run.output(probe)), probes.rows(run.output(truth))), "memory_bytes": costs[f"{lookup}_bytes"], "read_ns": costs[f"{lookup}_ns"], **more}
 
         found.append(Point("cubemap", panel, series, more.get("mark", str(texels)), [made, truth, bench, probe], measure))
 

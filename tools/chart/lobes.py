@@ -7,7 +7,7 @@ from runner import File, Out, Point, Step
 TITLE = "Balls of light: cosine lobes"
 ABOUT = """The plane under the Stanford bunny and a ball of light, 320×240 pixels, one sample a pixel at the same places, one thread. Truth
 is Monte Carlo with many rays on the same spheres (the lobes' own error) or on the mesh (the sphere set's too); a quarter as many rays
-tell how far the truth itself may be off. Times are of the rendering alone, the least of three."""
+tell how far the truth itself may be off. Times are of rays and shading alone, tables and spheres read before, the least of three."""
 
 # glTF roughness r: alpha = r^2, exponent (1/alpha^2 - 1)/2.
 ROUGHNESS = (0.12, 0.18, 0.25, 0.35, 0.5, 0.7, 0.9)
@@ -15,7 +15,7 @@ ROUGHNESS = (0.12, 0.18, 0.25, 0.35, 0.5, 0.7, 0.9)
 
 def render(scene, *options, timed=True):
     return Step(("render", scene, "--method", "lobes", "--samples", 1, "--size", "320x240", *options, Out("exr")), timed=timed,
-                seconds="result", threads=1)
+                seconds="render_seconds", threads=1)
 
 
 def rough_scenes(inputs):
@@ -105,15 +105,20 @@ def points(suite, inputs, runner):
 
     bench = Step(("bench", "gaussians"))
 
-    for series in ("cosine lobes", "spherical Gaussians"):
-        def measure(run, series=series):
-            return {"rows": run.result(bench)["rows"], "nrmse": 0.0, "gaussians": True}
-        found.append(Point("lobes", "one ball of light", series, "all", [bench], measure))
+    for c in (16, 64, 256):
+        fit = Step(spheres(c)[1].arguments, timed=True)
+        found.append(Point("lobes", "sphere sets of the bunny", "spheres", str(c), [fit], lambda run, fit=fit: {"fit": run.result(fit)}))
+    found.append(Point("lobes", "one ball of light", "lobes and Gaussians", "all", [bench],
+                       lambda run: {"rows": run.result(bench)["rows"], "gaussians": True}))
     return found
 
 
+def is_picture(record):
+    return "gaussians" not in record and "fit" not in record
+
+
 def draw(records, figures):
-    pictures = [r for r in records if "gaussians" not in r and "exponent" not in r]
+    pictures = [r for r in records if is_picture(r) and "exponent" not in r]
     for panel in dict.fromkeys(r["panel"] for r in pictures):
         figures.costs([r for r in pictures if r["panel"] == panel],
                       "lobes_" + {"matt plane, truth: the mesh": "mesh", "matt plane, truth: the same 64 spheres": "matt",
@@ -132,17 +137,25 @@ def draw(records, figures):
             facing = rows[0]["exact"]
             panels.append((f"light of half angle {half}°", "angle from the normal, degrees", "error, % of E facing the light", False, False, [
                 (label, [row["angle_deg"] for row in rows], [100 * (row[key] - row["exact"]) / facing for row in rows], None, None)
-                for label, key in (("cosine lobes", "lobes"), ("spherical Gaussians", "gaussians"))]))
+                for label, key in (("cosine lobes", "lobes"), ("spherical Gaussians, cosine as one", "gaussians"),
+                                   ("spherical Gaussians, fitted irradiance", "gaussians_fitted"))]))
         figures.sweep("lobes_gaussians", "One unshadowed ball of light on a matt surface: cosine lobes and spherical Gaussians",
-                      "Gaussians: the cosine as the widely used single Gaussian, the ball as the Gaussian of equal flux and width.", panels,
+                      "Gaussians: the ball as the Gaussian of equal flux and width; its irradiance by the cosine as the widely used single Gaussian, and by Hill's fit.", panels,
                       columns=2)
 
 
 def page_tables(records):
-    pictures = [r for r in records if "gaussians" not in r]
+    pictures = [r for r in records if is_picture(r)]
     return [(f"All points: {panel}", *tables.points_table([r for r in pictures if r["panel"] == panel]))
             for panel in dict.fromkeys(r["panel"] for r in pictures)]
 
 
 def markdown_tables(records):
-    return {"lobes_front": tables.front_table([{**r, "memory_bytes": 0} for r in records if "gaussians" not in r and "exponent" not in r])}
+    found = {"lobes_front": tables.front_table([{**r, "memory_bytes": 0} for r in records if is_picture(r) and "exponent" not in r])}
+    fits = [r for r in records if "fit" in r]
+    if fits:
+        found["spheres"] = tables.markdown(
+            ("spheres", "volume outside the mesh", "volume uncovered", "mean distance of the surfaces ÷ bounding radius", "time"),
+            [(r["label"], tables.percent(r["fit"]["volume_outside"]), tables.percent(r["fit"]["volume_uncovered"]),
+              tables.percent(r["fit"]["surface_mean"]), tables.seconds(r["time_s"])) for r in fits])
+    return found

@@ -52,8 +52,11 @@ class Out:
 class Step:
     arguments: tuple  # strings and numbers, File, Out, Steps whose outputs are read; NAME=OUTPUT as ("NAME=", Step)
     timed: bool = False  # does its time count for the point?
-    seconds: str = "wall"  # the command's whole time; "once": the same, never repeated; "result": what it reports itself
+    seconds: str = "wall"  # the command's whole time; "once": the same, never repeated; any other: a field of its result
     threads: int = 0  # 0: as the suite says
+
+    def reports_time(self):
+        return self.seconds not in ("wall", "once")
 
     def depends_on_machine(self):
         return self.timed or self.arguments[0] == "bench"
@@ -200,7 +203,7 @@ class Runner:
         words, runs = self.command(step), []
 
         def seconds(outcome):
-            return outcome.result().get("seconds", outcome.wall_s) if step.seconds == "result" else outcome.wall_s
+            return outcome.result()[step.seconds] if step.reports_time() else outcome.wall_s
 
         while True:
             runs.append(self._outcome(words))
@@ -212,7 +215,7 @@ class Runner:
         return {"key": self.key(step), "kind": "step", "command": words, "seed": seed, "machine": self.machine,
                 "version": self.version, "build": self.build, "wall_s": best.wall_s, "walls_s": [r.wall_s for r in runs],
                 "foreign": best.foreign, "foreigns": [r.foreign for r in runs], "cpu_s": best.cpu_s,
-                "seconds": result.get("seconds", best.wall_s), "peak_memory_bytes": max(r.peak_memory_bytes for r in runs),
+                "seconds": seconds(best), "peak_memory_bytes": max(r.peak_memory_bytes for r in runs),
                 "result": result}
 
     def result(self, step, need_output=False):
@@ -260,7 +263,7 @@ class Runner:
 
     def seconds(self, step, record):
         """A step's time: what it reports itself, or all of it but the program's start."""
-        if step.seconds == "result":
+        if step.reports_time():
             return record["seconds"]
         return max(LEAST_S, record["wall_s"] - self._start_up(record))
 
@@ -286,7 +289,7 @@ class Runner:
         figures = point.measure(Run(self, point, steps))
         timed = [(s, r) for s, r in zip(point.steps, steps) if s.timed]
         timing = [r for s, r in zip(point.steps, steps) if s.depends_on_machine()]
-        whole = [r for s, r in timed if s.seconds != "result"]
+        whole = [r for s, r in timed if not s.reports_time()]
         return {"key": key, "kind": "point", "curve": point.curve, "panel": point.panel, "series": point.series,
                 "label": point.label, "join": point.join, "name": point.name, "version": self.version,
                 "build": next((r["build"] for r in steps if r["build"] != self.build), self.build), "machine": self.machine,

@@ -22,7 +22,7 @@ def points(suite, inputs, runner):
         def measure(run, step=step):
             lines = run.result(step)["points"]
             within = all(p["bound"] is None or p["error"] <= p["bound"] for p in lines)
-            return {"points": lines, "within_bounds": within, "nrmse": 0.0}
+            return {"points": lines, "within_bounds": within}
 
         found.append(Point("stability", name, "sweep", "all", [step], measure, name=f"stability/{name}"))
     return found
