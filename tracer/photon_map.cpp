@@ -1,6 +1,7 @@
 #include "tracer/photon_map.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <mutex>
@@ -10,6 +11,7 @@
 #include <nanoflann.hpp>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_invoke.h>
 #include <tbb/parallel_sort.h>
 #include <tbb/task_arena.h>
 
@@ -39,6 +41,7 @@ namespace {
 constexpr std::uint64_t photons_a_batch = 2048;
 constexpr std::size_t photons_an_estimate = 4;  // Christensen's choice
 constexpr float facing_alike = 0.7F;            // cosine between normals; walls at right angles are kept apart
+constexpr std::size_t photons_a_leaf = 16;      // of the tree, as many as are fastest for K = 50
 // Estimates reach no farther, in radii of the scene: dark corners are not lit by photons of the other end.
 constexpr float reach_radii = 0.1F;
 
@@ -70,57 +73,49 @@ struct Estimates {
 
 using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<float, Cloud>, Cloud, 3, std::uint32_t>;
 
-// nanoflann's result set: the `capacity` nearest points that face as n does, as a heap with the farthest in front.
+// nanoflann's result set: the `count` nearest points that face as n does. It takes in twice as many before it drops the
+// farther half: a selection costs less than a heap that is in order after each of them.
 class NearestAlike {
  public:
-  using Found = std::pair<float, std::uint32_t>;  // squared distance, index
-
-  NearestAlike(const std::vector<V3f>& normals, std::size_t capacity) : normals_(normals), capacity_(capacity) {
-    heap_.reserve(capacity);
+  NearestAlike(const std::vector<V3f>& normals, std::size_t count) : normals_(normals), count_(count) {
+    found_.reserve(std::min(2 * count, normals.size()));
   }
 
-  void restart(const V3f& n, float reach_squared) {
+  // Those nearer than the root of `bound`; if there are `count`, the farthest of them comes last.
+  void search(const Tree& tree, const V3f& p, const V3f& n, float bound) {
     n_ = n;
-    worst_ = reach_squared;
-    heap_.clear();
+    worst_ = bound;
+    found_.clear();
+    tree.findNeighbors(*this, &p.x, {});
+    if (full()) drop_farther();
   }
+  bool full() const { return found_.size() >= count_; }
+  std::size_t size() const { return found_.size(); }
+  std::uint32_t index(std::size_t k) const { return std::uint32_t(found_[k]); }
+  float radius_squared() const { return worst_; }  // of the disc of `count` points, after a search that found them
 
+  // What nanoflann calls.
   bool addPoint(float distance_squared, std::uint32_t index) {
     if (!(distance_squared < worst_) || normals_[index].dot(n_) < facing_alike) return true;
-    if (full()) {
-      replace_farthest({distance_squared, index});
-    } else {
-      heap_.emplace_back(distance_squared, index);
-      if (!full()) return true;
-      std::make_heap(heap_.begin(), heap_.end());
-    }
-    worst_ = heap_.front().first;
+    found_.push_back(std::uint64_t(std::bit_cast<std::uint32_t>(distance_squared)) << 32 | index);
+    if (found_.size() == 2 * count_) drop_farther();
     return true;
   }
   float worstDist() const { return worst_; }
-  bool full() const { return heap_.size() == capacity_; }
-  std::size_t size() const { return heap_.size(); }
-  // A heap once it is full; until then as they came.
-  const std::vector<Found>& found() const { return heap_; }
 
  private:
-  // std::pop_heap and std::push_heap in one descent.
-  void replace_farthest(const Found& nearer) {
-    std::size_t hole = 0;
-    for (std::size_t child = 1; child < capacity_; child = 2 * hole + 1) {
-      if (child + 1 < capacity_ && heap_[child] < heap_[child + 1]) ++child;
-      if (!(nearer < heap_[child])) break;
-      heap_[hole] = heap_[child];
-      hole = child;
-    }
-    heap_[hole] = nearer;
+  void drop_farther() {
+    std::nth_element(found_.begin(), found_.begin() + std::ptrdiff_t(count_ - 1), found_.end());
+    found_.resize(count_);
+    worst_ = std::bit_cast<float>(std::uint32_t(found_.back() >> 32));
   }
 
   const std::vector<V3f>& normals_;
-  std::size_t capacity_;
+  std::size_t count_;
   V3f n_;
   float worst_ = 0;
-  std::vector<Found> heap_;
+  // Bits of the squared distance above the index: floats that are not negative are in the order of their bits.
+  std::vector<std::uint64_t> found_;
 };
 
 std::vector<PhotonArrival> trace(const Intersector& intersector, const Lights& lights, const PhotonMapParams& params) {
@@ -134,7 +129,8 @@ std::vector<PhotonArrival> trace(const Intersector& intersector, const Lights& l
     arrivals.shrink_to_fit();
     return arrivals;
   };
-  // The first batch tells how much room the others will take: twice while they are joined, and the trees.
+  // The first batch tells how much room the others will take: twice while they are joined, and again while they are put
+  // in order, by keys of 16 bytes.
   std::vector<PhotonArrival> first = trace_batch(0);
   check_memory(intersector.scene().name,
                double(batches) * (double(first.size()) * (2 * sizeof(PhotonArrival) + 16) + sizeof first),
@@ -206,6 +202,55 @@ Photons put_in_order(const std::vector<PhotonArrival>& arrivals, const V3f& cent
   return photons;
 }
 
+Estimates places_of_estimates(const Photons& photons) {
+  const std::size_t count = photons.estimated.size();
+  Estimates estimates{{std::vector<V3f>(count)}, std::vector<V3f>(count), std::vector<Rgb>(count)};
+  for (std::size_t i = 0; i < count; ++i) {
+    estimates.cloud.places[i] = photons.cloud.places[photons.estimated[i]];
+    estimates.normals[i] = photons.normals[photons.estimated[i]];
+  }
+  return estimates;
+}
+
+// E at each of the estimates, whose places are known.
+void estimate(const Photons& photons, const Tree& tree, float reach_squared, const PhotonMapParams& params,
+              Estimates& estimates) {
+  const std::vector<V3f>& places = estimates.cloud.places;
+  const std::size_t neighbours = std::size_t(std::max(2, params.neighbours));
+  // Where more than K photons came to one point, as in a focus, the disc has no area; rounding's has.
+  const double least_squared = double(reach_squared) * 1e-10;
+  std::mutex mutex;
+  std::uint64_t done = 0;
+  const auto estimate_range = [&](const tbb::blocked_range<std::size_t>& range) {
+    NearestAlike nearest(photons.normals, neighbours);
+    for (std::size_t i = range.begin(); i < range.end(); ++i) {
+      // As many photons as the last disc holds are no farther than its rim is from here, and face alike if the normals
+      // are the same: the search need not begin with the whole reach. Were rounding to leave one out, it begins again.
+      float bound = reach_squared;
+      if (nearest.full() && estimates.normals[i] == estimates.normals[i - 1]) {
+        const float farthest = std::sqrt(nearest.radius_squared()) + (places[i] - places[i - 1]).length();
+        bound = std::min(bound, 1.0001F * farthest * farthest);
+      }
+      nearest.search(tree, places[i], estimates.normals[i], bound);
+      if (!nearest.full() && bound < reach_squared)
+        nearest.search(tree, places[i], estimates.normals[i], reach_squared);
+      const bool full = nearest.full();
+      V3d sum(0, 0, 0);
+      for (std::size_t k = 0; k + (full ? 1 : 0) < nearest.size(); ++k) sum += V3d(photons.powers_lm[nearest.index(k)]);
+      const double radius_squared = double(full ? nearest.radius_squared() : reach_squared);
+      sum /= double(pi) * std::max(radius_squared, least_squared) * double(params.photons);
+      estimates.e[i] = Rgb(float(sum.x), float(sum.y), float(sum.z));
+    }
+    if (!params.progress) return;
+    const std::lock_guard lock(mutex);
+    done += range.size();
+    params.progress(done, places.size());
+  };
+  // Ranges split in the same way at any number of threads: where one begins decides the order of its sums.
+  const tbb::blocked_range<std::size_t> all(0, places.size(), 256);
+  tbb::parallel_for(all, estimate_range, tbb::simple_partitioner());
+}
+
 }  // namespace
 
 struct PhotonMap::State {
@@ -222,44 +267,17 @@ PhotonMap::PhotonMap(const Intersector& intersector, const Lights& lights, const
   tbb::task_arena arena(params.threads > 0 ? params.threads : tbb::task_arena::automatic);
   arena.execute([&] {
     State& state = *state_;
+    const float reach = reach_radii * intersector.radius_m();
+    state.reach_squared = reach * reach;
     const Photons photons =
         put_in_order(trace(intersector, lights, params), intersector.center(), intersector.radius_m());
     state.photons_stored = photons.cloud.places.size();
-    const float reach = reach_radii * intersector.radius_m();
-    state.reach_squared = reach * reach;
-    const Tree tree(3, photons.cloud);
-
-    const std::size_t count = photons.estimated.size();
-    Estimates& estimates = state.estimates;
-    estimates = {{std::vector<V3f>(count)}, std::vector<V3f>(count), std::vector<Rgb>(count)};
-    const std::size_t neighbours = std::size_t(std::max(2, params.neighbours));
-    // Where more than K photons came to one point, as in a focus, the disc has no area; rounding's has.
-    const double least_squared = double(state.reach_squared) * 1e-10;
-    std::mutex mutex;
-    std::uint64_t done = 0;
-    const auto estimate = [&](const tbb::blocked_range<std::size_t>& range) {
-      NearestAlike nearest(photons.normals, neighbours);
-      for (std::size_t i = range.begin(); i < range.end(); ++i) {
-        const std::uint32_t at = photons.estimated[i];
-        estimates.cloud.places[i] = photons.cloud.places[at];
-        estimates.normals[i] = photons.normals[at];
-        nearest.restart(estimates.normals[i], state.reach_squared);
-        tree.findNeighbors(nearest, &estimates.cloud.places[i].x, {});
-        const auto& found = nearest.found();
-        const double radius_squared = nearest.full() ? double(found.front().first) : double(state.reach_squared);
-        V3d sum(0, 0, 0);
-        for (std::size_t k = nearest.full() ? 1 : 0; k < found.size(); ++k)
-          sum += V3d(photons.powers_lm[found[k].second]);
-        sum /= double(pi) * std::max(radius_squared, least_squared) * double(params.photons);
-        estimates.e[i] = Rgb(float(sum.x), float(sum.y), float(sum.z));
-      }
-      if (!params.progress) return;
-      const std::lock_guard lock(mutex);
-      done += range.size();
-      params.progress(done, count);
-    };
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256), estimate);
-    state.tree = std::make_unique<Tree>(3, estimates.cloud);
+    state.estimates = places_of_estimates(photons);
+    // nanoflann builds a tree on one thread.
+    std::unique_ptr<Tree> tree;
+    tbb::parallel_invoke([&] { tree = std::make_unique<Tree>(3, photons.cloud, photons_a_leaf); },
+                         [&] { state.tree = std::make_unique<Tree>(3, state.estimates.cloud); });
+    estimate(photons, *tree, state.reach_squared, params, state.estimates);
   });
 }
 
