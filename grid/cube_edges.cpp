@@ -299,10 +299,4 @@ Rgb polygon_irradiance(const LocalizedCube& cube, const CubeEdges& edges, const 
   return result;
 }
 
-Rgb irradiance(const LocalizedCube& cube, const CubeEdges& edges, CubeMethod method, const V3f& p, const V3f& n) {
-  if (method == CubeMethod::polygon) return polygon_irradiance(cube, edges, p, n);
-  if (method == CubeMethod::convolved) return polygon_irradiance(cube, edges, cube.origin_m, n);
-  return irradiance(cube, method, p, n);
-}
-
 }  // namespace ivory

@@ -24,7 +24,4 @@ CubeEdges make_cube_edges(const LocalizedCube& cube);
 // shell of constant radiance L exactly pi L, also from where most of the shell is a point in the distance.
 Rgb polygon_irradiance(const LocalizedCube& cube, const CubeEdges& edges, const V3f& p, const V3f& n);
 
-// irradiance(cube, method, p, n), by the edges where the method allows.
-Rgb irradiance(const LocalizedCube& cube, const CubeEdges& edges, CubeMethod method, const V3f& p, const V3f& n);
-
 }  // namespace ivory

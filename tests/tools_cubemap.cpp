@@ -55,6 +55,17 @@ TEST_F(CubemapCommand, FurnaceIsFlat) {
     EXPECT_NEAR(probe.at("mean_lux").at(0).get<double>() / (2 * 3.14159265), 1, 0.01);
     EXPECT_EQ(probe.at("outside").get<int>(), 1);
   }
+  // A convolved map is the same light from everywhere; bytes as tests/grid_cube_reader.cpp counts them.
+  const Json far =
+      run("probe " + path("f4.exr") + " --lookup convolved --points " + path("p.csv") + " -o " + path("far.csv"));
+  EXPECT_NEAR(far.at("mean_lux").at(0).get<double>() / (2 * 3.14159265), 1, 0.01);
+  const Json bench = run("bench cubemap " + path("f4.exr")).at("maps").at(0);
+  EXPECT_EQ(bench.at("convolved_bytes"), 6 * 16 * 16 * 12);
+  EXPECT_EQ(bench.at("point_bytes"), 6 * 4 * 4 * 28);
+  EXPECT_EQ(bench.at("polygon_paper_bytes"), 6 * 4 * 4 * 28);
+  EXPECT_EQ(bench.at("polygon_bytes"), 6 * 4 * 4 * 28 + (12 * 4 * 4 + 5) * 28);
+  for (const char* lookup : {"convolved", "point", "polygon_paper", "polygon"})
+    EXPECT_GT(bench.at(std::string(lookup) + "_ns"), 0);
   const Json info = run("info " + path("f4.exr"));
   EXPECT_EQ(info.at("kind"), "cubemap");
   EXPECT_EQ(info.at("seed"), 1);

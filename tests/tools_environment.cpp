@@ -97,9 +97,13 @@ TEST_F(EnvironmentTools, EveryLayoutBakesTheSameIrradiance) {
     EXPECT_EQ(sh9["layout"], label);
     EXPECT_EQ(sh9["order"], 1) << label;  // already exact
     EXPECT_LT(sh9["maximum_error"], 1e-4) << label;
+    EXPECT_GT(sh9["read_seconds"], 0) << label;
+    EXPECT_GT(sh9["projection_seconds"], 0) << label;
     const Json difmap =
         run("bake difmap " + path(label + ".exr") + " -o " + path(label + "_difmap.exr") + " --size 32");
     EXPECT_LT(difmap["sh9_maximum_error"], 1e-4) << label;
+    EXPECT_GT(difmap["read_seconds"], 0) << label;
+    EXPECT_GT(difmap["bake_seconds"], 0) << label;
     const auto a = probed(label + ".json");
     const auto b = probed(label + "_difmap.exr");
     ASSERT_EQ(a.size(), normals.size());

@@ -59,13 +59,13 @@ void run_bake_sh9(const BakeSh9Options& options, const CLI::App& command, const 
   if (!automatic && command.count("--max-error") > 0) throw UsageError("--max-error serves --order auto only");
   chosen_window(options.window, Sh9{});
   check_output(options.output, ".json", common);
-  EnvironmentInput input = load_environment_input(options.environment);
-
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
+  EnvironmentInput input = load_environment_input(options.environment);
+  const auto loaded = Clock::now();
   const RadianceMoments moments = radiance_moments(input.image);
-  const double projection_seconds = std::chrono::duration<double>(Clock::now() - start).count();
   const Sh9 whole = sh9_from_moments(moments);
+  const auto projected = Clock::now();
   const IrradianceMap truth = bake_irradiance(make_irradiance_tree(input.image), truth_size);
 
   Sh9Asset asset;
@@ -91,7 +91,8 @@ void run_bake_sh9(const BakeSh9Options& options, const CLI::App& command, const 
                                 {"maximum_error_of_mean_irradiance", asset.error.maximum_of_mean_e()},
                                 {"total_radiance", {moments.total.x, moments.total.y, moments.total.z}},
                                 {"least_irradiance_lux", least_e},
-                                {"projection_seconds", projection_seconds}};
+                                {"read_seconds", std::chrono::duration<double>(loaded - start).count()},
+                                {"projection_seconds", std::chrono::duration<double>(projected - loaded).count()}};
   std::string text = fmt::format(
       "{}: order {}, {} coefficients a channel{}\n", options.output, asset.order, (asset.order + 1) * (asset.order + 1),
       asset.window.band1 != 1 || asset.window.band2 != 1
@@ -148,6 +149,9 @@ void add_bake_sh9_command(CLI::App& bake, CommonOptions& common) {
       ->capture_default_str();
   command->footer(
       "E(n) = (n 1) M (n 1)^T in lux, with the file's matrices M for R, G and B.\n"
+      "--json: read_seconds is the time to load the map, projection_seconds that of its nine coefficients; the rest "
+      "of\n"
+      "the command's time goes into measuring their error at 6144 normals.\n"
       "Examples:\n"
       "  ivory bake sh9 sky.exr -o sky.json\n"
       "  ivory bake sh9 probe.hdr -o probe.json --layout angular --order 2 --window auto --dialect three.js");

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include "grid/cube_edges.h"
+#include "grid/cube_reader.h"
 #include "grid/error.h"
 #include "grid/io_exr.h"
 #include "grid/io_localized_cube.h"
@@ -21,12 +21,12 @@ ProbeEstimates probe_cubemap(CubeMethod method, const ProbeRequest& request) {
     throw UsageError("--indirect-only: a cube map holds all light that it saw and cannot leave out any");
   const PointsTable& table = request.table;
   const LocalizedCube cube = read_localized_cube(request.source);
-  const CubeEdges edges = make_cube_edges(cube);
+  const CubeReader reader = make_cube_reader(cube, method);
   ProbeEstimates out;
   out.e.resize(table.p.size());
   out.standard_error.resize(table.p.size(), Rgb(0, 0, 0));  // of the look-up alone: it is exact
   tbb::parallel_for(std::size_t(0), table.p.size(),
-                    [&](std::size_t i) { out.e[i] = irradiance(cube, edges, method, table.p[i], table.n[i]); });
+                    [&](std::size_t i) { out.e[i] = irradiance(reader, table.p[i], table.n[i]); });
   const auto outside = std::count_if(table.p.begin(), table.p.end(), [&](const V3f& p) {
     const V3f offset = p - cube.origin_m;
     return inside_shell(cube, offset) != offset;
@@ -47,8 +47,8 @@ ProbeSource make_cubemap_source(CLI::App& command) {
   auto lookup = std::make_shared<std::string>("polygon");
   command
       .add_option("--lookup", *lookup,
-                  "How a cube map is read: texels as polygons, polygons as published, points, or\n"
-                  "convolved at the reference point")
+                  "How a cube map is read: texels as polygons, polygons as published, points, or by an\n"
+                  "irradiance map of 6x16x16 texels convolved at the reference point, distances ignored")
       ->check(CLI::IsMember({"polygon", "polygon_paper", "point", "convolved"}))
       ->capture_default_str()
       ->group("For cube maps");

@@ -147,6 +147,7 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
   if (any_display) result["exposure_stops"] = exposure;
   result["mean_radiance_nits"] = {mean[0], mean[1], mean[2]};
   result["seconds"] = seconds;
+  result["render_seconds"] = film.render_seconds;
   result["warnings"] = input->warnings;
   std::string human = fmt::format("{}: {} x {}, {}, {} samples a pixel, mean {:.4g} {:.4g} {:.4g} nits, {:.2f} s\n",
                                   fmt::join(options.outputs, ", "), film.width, film.height, options.method,
@@ -228,6 +229,9 @@ void add_render_command(CLI::App& app, CommonOptions& common) {
     command->get_option(option)->group("For --method " + readers);
   command->footer(
       "The same command gives the same bytes with any --threads.\n"
+      "--json: render_seconds is the wall time of the picture's rays and shading alone, the same for all methods;\n"
+      "seconds adds what the method loads or makes for the picture: the grid, the photon map, tables of lobes, sphere\n"
+      "sets, occluders, cube maps. Neither counts loading the scene and writing the picture.\n"
       "Examples:\n"
       "  ivory render room.glb -o room.exr -o room.png --samples 256\n"
       "  ivory render room.glb -o room.png --method gather --grid room.vdb --samples 16 --gather 16");

@@ -50,7 +50,8 @@ RenderMethod make_cubemap_method(CLI::App& command, const std::shared_ptr<GridIn
   command
       .add_option("--lookup", options->lookup,
                   "How the cube map is read: texels as polygons; polygons without a cut at the horizon, as\n"
-                  "published; points; or a map convolved at its reference point, distances ignored")
+                  "published; points; or a map of 6x16x16 texels convolved at the reference point, distances\n"
+                  "ignored")
       ->check(CLI::IsMember({"polygon", "polygon_paper", "point", "convolved"}))
       ->capture_default_str();
   RenderMethod method;

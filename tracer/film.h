@@ -10,7 +10,8 @@ namespace ivory {
 struct Film {
   int width = 0;
   int height = 0;
-  std::vector<Rgb> pixels;  // nits, top row first
+  std::vector<Rgb> pixels;    // nits, top row first
+  double render_seconds = 0;  // wall time of render_film(): rays and shading, without what they are prepared by
 
   Rgb& at(int x, int y) { return pixels[std::size_t(y) * std::size_t(width) + std::size_t(x)]; }
   const Rgb& at(int x, int y) const { return pixels[std::size_t(y) * std::size_t(width) + std::size_t(x)]; }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "grid/cube_edges.h"
+#include "grid/cube_reader.h"
 #include "tracer/path_tracer.h"
 
 // At a point x of an object, seen from wo,
@@ -21,8 +21,7 @@ namespace {
 struct Renderer {
   const Intersector& intersector;
   const Lights& lights;
-  const CubeLight& cube;
-  const CubeEdges& edges;
+  const CubeReader& cube;
   const ObjectLightParams& params;
 
   Rgb background(const Ray& ray, RandomStream& random) const {
@@ -45,8 +44,7 @@ struct Renderer {
       // This strategy samples punctual lights only.
       here += sample_direct(intersector, lights, surface, bsdf, wo, DirectStrategy::bsdf, random);
       const Rgb reflectance = diffuse_reflectance(bsdf, wo);
-      if (!is_black(reflectance))
-        here += reflectance / pi * irradiance(*cube.cube, edges, cube.method, surface.p, surface.ns);
+      if (!is_black(reflectance)) here += reflectance / pi * irradiance(cube, surface.p, surface.ns);
       radiance += throughput * here;
 
       if (is_black(bsdf.f0) && is_black(bsdf.f90)) break;
@@ -71,8 +69,8 @@ struct Renderer {
 
 Film render_with_cube(const Intersector& intersector, const Lights& lights, const CubeLight& cube, const View& view,
                       const RenderParams& render, const ObjectLightParams& params) {
-  const CubeEdges edges = make_cube_edges(*cube.cube);
-  const Renderer renderer{intersector, lights, cube, edges, params};
+  const CubeReader reader = make_cube_reader(*cube.cube, cube.method);
+  const Renderer renderer{intersector, lights, reader, params};
   return render_film(view, render, [&](const Ray& ray, RandomStream& random) { return renderer.trace(ray, random); });
 }
 

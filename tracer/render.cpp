@@ -1,6 +1,7 @@
 #include "tracer/render.h"
 
 #include <atomic>
+#include <chrono>
 
 #include <tbb/blocked_range2d.h>
 #include <tbb/parallel_for.h>
@@ -54,11 +55,13 @@ Film render_film(const View& view, const RenderParams& params, const RadianceFun
     const std::size_t finished = done += range.rows().size() * range.cols().size();
     if (params.progress) params.progress(double(finished) / double(film.pixels.size()));
   };
+  const auto start = std::chrono::steady_clock::now();
   tbb::task_arena arena(params.threads > 0 ? params.threads : tbb::task_arena::automatic);
   arena.execute([&] {
     tbb::parallel_for(tbb::blocked_range2d<int>(0, view.height, tile, 0, view.width, tile), render_tile,
                       tbb::simple_partitioner());
   });
+  film.render_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return film;
 }
 

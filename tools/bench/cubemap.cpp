@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <time.h>
 
-#include "grid/cube_edges.h"
+#include "grid/cube_reader.h"
 #include "grid/io_localized_cube.h"
 #include "tools/commands.h"
 #include "tools/common.h"
@@ -20,21 +20,8 @@
 namespace ivory {
 namespace {
 
-constexpr std::array<CubeMethod, 3> methods{CubeMethod::point, CubeMethod::polygon_paper, CubeMethod::polygon};
-
-// E(origin, n) for a few thousand normals, which `convolved` finds anew for each: what an engine would store.
-CubeMap convolve(const LocalizedCube& cube) {
-  CubeMap map;
-  map.size = 32;
-  for (int face = 0; face < cube_faces; ++face) {
-    for (int row = 0; row < map.size; ++row) {
-      for (int column = 0; column < map.size; ++column)
-        map.texels.push_back(
-            irradiance(cube, CubeMethod::convolved, cube.origin_m, cube_texel_direction(map.size, face, row, column)));
-    }
-  }
-  return map;
-}
+constexpr std::array<CubeMethod, 4> methods{CubeMethod::convolved, CubeMethod::point, CubeMethod::polygon_paper,
+                                            CubeMethod::polygon};
 
 // The thread's own time, so that other work on the machine does not count.
 double thread_time_ns() {
@@ -84,16 +71,14 @@ void run(const std::vector<std::string>& paths, const CommonOptions& common) {
     const int size = cube.radiance.size;
     const std::vector<Point> points = make_points(cube, std::max(10, 100'000 / (size * size)));
     nlohmann::ordered_json map{{"file", path}, {"size", size}};
-    const CubeEdges edges = make_cube_edges(cube);
-    const CubeMap convolved = convolve(cube);
-    const double lookup = evaluation_ns(points, [&](const Point& point) { return bilinear(convolved, point.n); });
-    map["convolved_ns"] = lookup;
-    text += fmt::format("{}: 6x{}x{} texels, convolved {:.0f} ns,", path, size, size, lookup);
+    text += fmt::format("{}: 6x{}x{} texels\n", path, size, size);
     for (const CubeMethod method : methods) {
-      const double ns =
-          evaluation_ns(points, [&](const Point& point) { return irradiance(cube, edges, method, point.p, point.n); });
-      map[std::string(name(method)) + "_ns"] = ns;
-      text += fmt::format(" {} {:.0f} ns{}", name(method), ns, method == methods.back() ? "\n" : ",");
+      const CubeReader reader = make_cube_reader(cube, method);
+      const double ns = evaluation_ns(points, [&](const Point& point) { return irradiance(reader, point.p, point.n); });
+      const std::string key(name(method));
+      map[key + "_ns"] = ns;
+      map[key + "_bytes"] = reader.bytes;
+      text += fmt::format("  {:<13} {:>9.0f} ns  {:>9}\n", key, ns, format_bytes(reader.bytes));
     }
     maps.push_back(map);
   }
@@ -104,10 +89,18 @@ void run(const std::vector<std::string>& paths, const CommonOptions& common) {
 
 void add_bench_cubemap_command(CLI::App& bench, CommonOptions& common) {
   CLI::App* command =
-      bench.add_subcommand("cubemap", "Time of one reading of a localized cube map on one thread, in each way.");
+      bench.add_subcommand("cubemap",
+                           "Time of one reading of a localized cube map on one thread, and the memory that "
+                           "it reads from, for each --lookup of ivory probe and render.");
   auto paths = std::make_shared<std::vector<std::string>>();
   command->add_option("MAPS", *paths, "Localized cube maps to read")->required()->type_name("MAP.exr");
-  command->footer("Example:\n  ivory bench cubemap room_2.exr room_4.exr room_8.exr");
+  command->footer(
+      "--json: for each map <lookup>_ns, the median of seven rounds in the thread's own time, and <lookup>_bytes:\n"
+      "  convolved      the irradiance map of 6x16x16 texels convolved at the reference point\n"
+      "  point, polygon_paper   radiance and distances: the map as stored\n"
+      "  polygon        these and the walk over the texels' edges that is made of them\n"
+      "Example:\n"
+      "  ivory bench cubemap room_2.exr room_4.exr room_8.exr");
   set_action(*command, common, Output::none, [paths, &common] { run(*paths, common); });
 }
 
