@@ -7,23 +7,30 @@ namespace ivory {
 
 class PendingFile {
  public:
-  // Throws Error where `path` exists and not `force`, or where its folder cannot be written to.
+  // Throws Error where `path` exists and not `force`, or where its folder cannot be written to. A symbolic link
+  // stands for what it points to, and stays.
   PendingFile(std::string path, bool force);
   // Removes the temporary file unless commit() ran.
   ~PendingFile();
   PendingFile(const PendingFile&) = delete;
   PendingFile& operator=(const PendingFile&) = delete;
 
-  // The name to write to: beside the target, with the target's extension.
+  // The name to write to: beside the target, with the target's extension. No other process, on this machine or on
+  // another that shares the folder, has the same.
   const std::string& temporary() const { return temporary_; }
-  // Renames onto the target. Throws Error where that fails.
+  // Brings what was written onto the disk, then renames it onto the target: after a loss of power there is the old
+  // file or the whole new one. Throws Error where that fails.
   void commit();
 
  private:
-  std::string path_;
+  std::string path_;    // as given, for messages
+  std::string target_;  // behind symbolic links
   std::string temporary_;
   bool committed_ = false;
 };
+
+// A file name's extension with its dot, in lower case: ".exr" of "A.EXR"; "" where it has none.
+std::string lower_extension(const std::string& path);
 
 // Hash (XXH64, 16 hexadecimal digits) of a file's bytes. Throws Error where it cannot be read.
 std::string file_hash(const std::string& path);

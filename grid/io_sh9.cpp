@@ -1,7 +1,6 @@
 #include "grid/io_sh9.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -169,12 +168,7 @@ Sh9Asset read_sh9(const std::string& path) {
   return asset;
 }
 
-bool is_sh9_name(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
-  return extension == ".json";
-}
+bool is_sh9_name(const std::string& path) { return lower_extension(path) == ".json"; }
 
 void write_sh9_dialect(const std::string& path, const Sh9Asset& asset, Sh9Dialect dialect, bool force) {
   const std::array<V3d, 9> values = in_dialect(asset.sh, dialect);

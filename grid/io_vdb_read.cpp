@@ -8,13 +8,13 @@
 #include <fmt/format.h>
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
-#include <unistd.h>
 
 #include "grid/error.h"
 #include "grid/io_trial.h"
 #include "grid/io_vdb.h"
 #include "grid/io_vdb_layout.h"
 #include "grid/io_vdb_seal.h"
+#include "grid/memory.h"
 
 namespace ivory {
 
@@ -110,7 +110,7 @@ struct OpenFile {
     return result;
   }
 
-  // The frame as baked; sizes checked against what memory can hold at `bytes_per_vertex`.
+  // The frame as baked; sizes checked against what memory can hold at `bytes_per_vertex`, the reader's peak.
   GridFrame stored_frame(std::size_t bytes_per_vertex) const {
     GridFrame frame;
     const auto size = get<openvdb::Vec3i>("size");
@@ -128,11 +128,7 @@ struct OpenFile {
       if (!(std::abs(row.length() - 1) < 1e-3F)) throw missing(file_prefix + "axis_" + "xyz"[axis]);
       bytes *= frame.size[axis];
     }
-    const double memory = double(::sysconf(_SC_PHYS_PAGES)) * double(::sysconf(_SC_PAGESIZE));
-    if (bytes > memory) {
-      throw Error(path, fmt::format("needs {:.1f} GiB of memory, more than this machine has", bytes / 0x1p30),
-                  "use a larger machine or bake at a lower resolution");
-    }
+    check_memory(path, bytes, "use a larger machine or bake at a lower resolution");
     return frame;
   }
 
@@ -193,6 +189,9 @@ void read_vectors(OpenFile& in, const std::string& grid_name, const Visibility& 
   });
 }
 
+// A visible fraction, a guard record and, while a grid is read, OpenVDB's 12 bytes for a vector or 8 for a sum.
+constexpr std::size_t kept_bytes_per_vertex = sizeof(float) + sizeof(GuardRecord) + 12;
+
 Visibility read_visibility(OpenFile& in, std::size_t bytes_per_vertex) {
   Visibility out;
   const GridFrame stored = in.stored_frame(bytes_per_vertex);
@@ -233,13 +232,18 @@ IrradianceGrid read_grid_vdb(const std::string& path) {
     grid.basis = in.get_named("basis", basis_from_name);
     grid.metadata = in.caller_metadata();
     const auto stride = std::size_t(file_stride(grid.basis));
-    Visibility visibility = read_visibility(in, (stride + 16) * sizeof(float));
+    // At the peak there are the values as stored, the moments made of them, visible fraction and guard; or, the values
+    // gone, the variance three times over (OpenVDB's grid, as floats, in its place), which is never more.
+    const std::size_t resident = kept_bytes_per_vertex + std::size_t(grid.stride()) * sizeof(float);
+    Visibility visibility = read_visibility(in, resident + stride * sizeof(float));
 
-    std::vector<float> values(visibility.frame.vertex_count() * stride);
-    constexpr float any = -std::numeric_limits<float>::infinity();
-    for (const VectorField& field : vector_fields(grid.basis))
-      read_vectors(in, field.name, visibility, any, field.offset, stride, values.data());
-    grid.moments = moments_from_file_values(grid.basis, values);
+    {
+      std::vector<float> values(visibility.frame.vertex_count() * stride);
+      constexpr float any = -std::numeric_limits<float>::infinity();
+      for (const VectorField& field : vector_fields(grid.basis))
+        read_vectors(in, field.name, visibility, any, field.offset, stride, values.data());
+      grid.moments = moments_from_file_values(grid.basis, values);
+    }
 
     std::vector<float> variance(visibility.frame.vertex_count() * 3);
     read_vectors(in, variance_name, visibility, 0, {0, 1, 2}, 3, variance.data());
@@ -282,7 +286,7 @@ GridSums read_sums_vdb(const std::string& path) {
         "estimator", [&](std::string_view text) { return sum_layout(sums.basis, estimator_from_name(text)); });
     const std::vector<std::string> names = sum_field_names(layout);
     const std::size_t stride = names.size();
-    Visibility visibility = read_visibility(in, (stride + 4) * sizeof(std::int64_t));
+    Visibility visibility = read_visibility(in, kept_bytes_per_vertex + stride * sizeof(std::int64_t));
     sums.sums.assign(visibility.frame.vertex_count() * stride, 0);
     for (std::size_t i = 0; i < stride; ++i) {
       const auto grid = in.grid<openvdb::Int64Grid>(names[i], visibility.frame, visibility.transform.get());

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <thread>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -17,12 +16,13 @@
 
 #include "grid/error.h"
 #include "grid/io_file.h"
+#include "grid/memory.h"
 
 namespace ivory {
 
 int thread_count(const CommonOptions& common) {
   if (common.threads > 0) return common.threads;
-  return static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  return available_processors();
 }
 
 void set_action(CLI::App& command, CommonOptions& common, Output output, std::function<void()> action) {

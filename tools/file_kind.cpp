@@ -1,13 +1,12 @@
 #include "tools/file_kind.h"
 
-#include <algorithm>
 #include <array>
-#include <cctype>
 #include <filesystem>
 #include <utility>
 
 #include "grid/error.h"
 #include "grid/io_exr.h"
+#include "grid/io_file.h"
 #include "grid/io_lobes.h"
 #include "grid/io_sh9.h"
 #include "grid/io_spheres.h"
@@ -42,10 +41,7 @@ FileKind file_kind(const std::string& path) {
   if (!std::filesystem::exists(path, unreadable)) throw Error(path, "does not exist", "check the name");
   if (std::filesystem::is_directory(path, unreadable)) throw Error(path, "is a folder", "name a file");
   if (is_scene_name(path)) return FileKind::scene;
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  if (extension == ".vdb") return FileKind::grid;
+  if (lower_extension(path) == ".vdb") return FileKind::grid;
   if (is_sphere_set(path)) return FileKind::spheres;
   if (is_sh9_name(path)) return FileKind::sh9;
   const std::string kind = exr_asset_kind(path);

@@ -1,6 +1,5 @@
 // ivory probe GRID.vdb: irradiance read from a grid.
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 
 #include <CLI/CLI.hpp>
@@ -8,6 +7,7 @@
 #include <tbb/parallel_for.h>
 
 #include "grid/error.h"
+#include "grid/io_file.h"
 #include "grid/io_vdb.h"
 #include "tools/probe_source.h"
 #include "tools/scene_input.h"
@@ -120,7 +120,7 @@ ProbeSource make_grid_source(CLI::App& command) {
   ProbeSource source;
   source.name = "grids";
   source.options = {"--scene", "--guard", "--interpolation", "--reconstruction", "--nudge"};
-  source.matches = [](const std::string& path) { return std::filesystem::path(path).extension() == ".vdb"; };
+  source.matches = [](const std::string& path) { return lower_extension(path) == ".vdb"; };
   source.probe = [options](const ProbeRequest& request) { return probe_grid(*options, request); };
   return source;
 }

@@ -1,18 +1,15 @@
 #include "tools/scene_input.h"
 
-#include <algorithm>
-#include <cctype>
 #include <filesystem>
 
 #include "grid/error.h"
+#include "grid/io_file.h"
 #include "tracer/gltf_loader.h"
 
 namespace ivory {
 
 bool is_scene_name(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string extension = lower_extension(path);
   return extension == ".gltf" || extension == ".glb";
 }
 

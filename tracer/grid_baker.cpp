@@ -10,9 +10,9 @@
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
-#include <unistd.h>
 
 #include "grid/error.h"
+#include "grid/memory.h"
 #include "tracer/guard_fit.h"
 #include "tracer/kept_vertices.h"
 #include "tracer/lit_vertices.h"
@@ -29,17 +29,12 @@ constexpr std::uint64_t least_default_photons = 1'000'000;
 constexpr std::uint64_t scout_photons_a_vertex = 4;
 constexpr std::uint64_t photons_a_batch = 2048;  // about 10,000 segments: they stay in the second-level cache
 
-std::uint64_t machine_memory_bytes() {
-  return static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
-}
-
 void check_memory(const Scene& scene, const GridFrame& frame, const SumLayout& layout, int threads,
                   const GridBakeParams& params) {
   const double sums = double(frame.vertex_count()) * layout.stride();
   const double grid = double(frame.vertex_count()) * (double(function_count(params.basis)) * 12 + 64);
   const double needed = sums * (16 + 4.0 * threads) + grid;
-  const double limit =
-      params.max_memory_bytes != 0 ? double(params.max_memory_bytes) : 0.75 * double(machine_memory_bytes());
+  const double limit = params.max_memory_bytes != 0 ? double(params.max_memory_bytes) : 0.75 * available_memory_bytes();
   if (needed <= limit) return;
   constexpr double gib = 1024.0 * 1024 * 1024;
   throw Error(scene.name,

@@ -1,0 +1,99 @@
+// Files that appear whole or not at all.
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "grid/error.h"
+#include "grid/io_file.h"
+
+namespace ivory {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PendingFiles : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::path(testing::TempDir()) / testing::UnitTest::GetInstance()->current_test_info()->name();
+    fs::remove_all(folder_);
+    fs::create_directories(folder_ / "store");
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  static void write(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
+  static std::string read(const std::string& path) {
+    std::ifstream in(path);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  std::size_t files_in(const std::string& name) const {
+    return std::size_t(std::distance(fs::directory_iterator(folder_ / name), fs::directory_iterator()));
+  }
+
+  fs::path folder_;
+};
+
+TEST_F(PendingFiles, AppearOnCommitAndLeaveNothingOtherwise) {
+  {
+    PendingFile file(path("store/a.vdb"), false);
+    write(file.temporary(), "whole");
+    EXPECT_FALSE(fs::exists(path("store/a.vdb")));
+    EXPECT_TRUE(file.temporary().ends_with(".vdb"));
+    file.commit();
+  }
+  EXPECT_EQ(read(path("store/a.vdb")), "whole");
+  { const PendingFile dropped(path("store/b.vdb"), false); }
+  EXPECT_EQ(files_in("store"), 1U);
+  EXPECT_THROW(PendingFile(path("store/a.vdb"), false), Error);
+  EXPECT_THROW(PendingFile(path("store"), true), Error);
+  EXPECT_THROW(PendingFile(path("nowhere/a.vdb"), true), Error);
+}
+
+TEST_F(PendingFiles, LinksStayAndTheirTargetsAreWritten) {
+  write(path("store/real.exr"), "old");
+  fs::create_symlink("store/real.exr", path("near.exr"));  // relative to the link's folder
+  fs::create_symlink(path("near.exr"), path("far.exr"));   // a link to a link
+  EXPECT_THROW(PendingFile(path("far.exr"), false), Error);
+  PendingFile file(path("far.exr"), true);
+  EXPECT_EQ(fs::path(file.temporary()).parent_path(), folder_ / "store");
+  write(file.temporary(), "new");
+  file.commit();
+  EXPECT_TRUE(fs::is_symlink(path("far.exr")));
+  EXPECT_TRUE(fs::is_symlink(path("near.exr")));
+  EXPECT_FALSE(fs::is_symlink(path("store/real.exr")));
+  EXPECT_EQ(read(path("store/real.exr")), "new");
+
+  // A link to what does not exist yet makes it.
+  fs::create_symlink("store/later.exr", path("ahead.exr"));
+  PendingFile ahead(path("ahead.exr"), false);
+  write(ahead.temporary(), "made");
+  ahead.commit();
+  EXPECT_TRUE(fs::is_symlink(path("ahead.exr")));
+  EXPECT_EQ(read(path("store/later.exr")), "made");
+
+  // One that leads round in a circle leads to no file.
+  fs::create_symlink("round.exr", path("round.exr"));
+  EXPECT_THROW(PendingFile(path("round.exr"), true), Error);
+}
+
+// Two writers of one file, be they of one process or of two machines with equal process numbers.
+TEST_F(PendingFiles, WritersOfOneFileDoNotMeet) {
+  PendingFile first(path("a.csv"), false);
+  PendingFile second(path("a.csv"), false);
+  EXPECT_NE(first.temporary(), second.temporary());
+  write(first.temporary(), "first");
+  write(second.temporary(), "second, which is longer");
+  second.commit();
+  first.commit();
+  EXPECT_EQ(read(path("a.csv")), "first");
+}
+
+TEST(LowerExtension, IsThatOfTheLastComponent) {
+  EXPECT_EQ(lower_extension("A/b.tar.GLB"), ".glb");
+  EXPECT_EQ(lower_extension("a.b/c"), "");
+}
+
+}  // namespace
+}  // namespace ivory
