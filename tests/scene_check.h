@@ -60,8 +60,8 @@ inline std::string check_mesh(const Scene& scene, const Mesh& mesh) {
       if (!finite(p)) return "a uv that is not finite";
   }
   const Material& m = scene.materials[std::size_t(mesh.material)];
-  for (const TextureUse* use : {&m.base_color_texture, &m.metallic_roughness_texture, &m.specular_texture,
-                                &m.specular_color_texture, &m.emission_texture, &m.normal_texture}) {
+  for (const auto slot : texture_slots) {
+    const TextureUse* use = &(m.*slot);
     if (use->texture == no_index) continue;
     if (std::size_t(use->uv_set) >= mesh.uvs.size() || mesh.uvs[std::size_t(use->uv_set)].empty())
       return "missing uv set";
@@ -77,11 +77,11 @@ inline std::string check_material(const Scene& scene, const Material& m) {
     if (!(m.emission[k] >= 0) || !std::isfinite(m.emission[k])) return "emission out of range";
     if (!(m.specular_color[k] >= 0) || !std::isfinite(m.specular_color[k])) return "specular colour out of range";
   }
-  for (const float x : {m.alpha, m.metallic, m.roughness, m.specular, m.glossiness})
+  for (const float x : {m.alpha, m.metallic, m.roughness, m.specular, m.glossiness, m.transmission})
     if (!(x >= 0 && x <= 1)) return "a factor out of range";
   if (!(m.ior == 0 || m.ior >= 1)) return "ior out of range";
-  for (const TextureUse* use : {&m.base_color_texture, &m.metallic_roughness_texture, &m.specular_texture,
-                                &m.specular_color_texture, &m.emission_texture, &m.normal_texture}) {
+  for (const auto slot : texture_slots) {
+    const TextureUse* use = &(m.*slot);
     if (use->texture == no_index) continue;
     if (use->texture < 0 || std::size_t(use->texture) >= scene.textures.size()) return "no such texture";
     for (const float x : use->uv_transform)

@@ -51,9 +51,7 @@ void append(Scene& scene, Scene object, const V3f& translation) {
   };
   for (Texture& texture : object.textures) shift(texture.image, images);
   for (Material& m : object.materials) {
-    for (TextureUse* use : {&m.base_color_texture, &m.metallic_roughness_texture, &m.specular_texture,
-                            &m.specular_color_texture, &m.emission_texture, &m.normal_texture})
-      shift(use->texture, textures);
+    for (const auto slot : texture_slots) shift((m.*slot).texture, textures);
   }
   for (Mesh& mesh : object.meshes) shift(mesh.material, materials);
   for (SceneNode& node : object.nodes) shift(node.parent, nodes);
@@ -149,10 +147,9 @@ void empty_unused(Scene& scene) {
       continue;
     }
     const Material& m = scene.materials[std::size_t(material)];
-    for (const TextureUse* use : {&m.base_color_texture, &m.metallic_roughness_texture, &m.specular_texture,
-                                  &m.specular_color_texture, &m.emission_texture, &m.normal_texture}) {
-      if (use->texture == no_index) continue;
-      const int image = scene.textures[std::size_t(use->texture)].image;
+    for (const auto slot : texture_slots) {
+      if ((m.*slot).texture == no_index) continue;
+      const int image = scene.textures[std::size_t((m.*slot).texture)].image;
       if (image != no_index) image_used[std::size_t(image)] = true;
     }
   }

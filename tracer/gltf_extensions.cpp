@@ -15,9 +15,9 @@ constexpr std::string_view understood[] = {
     "EXT_texture_webp",        "KHR_draco_mesh_compression",
     "KHR_lights_punctual",     "KHR_materials_emissive_strength",
     "KHR_materials_ior",       "KHR_materials_pbrSpecularGlossiness",
-    "KHR_materials_specular",  "KHR_materials_unlit",
-    "KHR_mesh_quantization",   "KHR_node_visibility",
-    "KHR_texture_transform",
+    "KHR_materials_specular",  "KHR_materials_transmission",
+    "KHR_materials_unlit",     "KHR_mesh_quantization",
+    "KHR_node_visibility",     "KHR_texture_transform",
 };
 // Extensions without influence on what ivory computes: nothing is lost, nothing to warn of.
 constexpr std::string_view harmless[] = {"KHR_xmp", "KHR_xmp_json_ld", "KHR_animation_pointer",

@@ -1,5 +1,6 @@
 #include "tracer/gltf_materials.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -101,6 +102,10 @@ Material make_material(Document& document, std::size_t index) {
     material.specular_color = color(extension, "specularColorFactor", {1, 1, 1});
     material.specular_color_texture = make_texture_use(member(extension, "specularColorTexture"));
   }
+  if (const json* extension = find_extension(source, "KHR_materials_transmission")) {
+    material.transmission = number(extension, "transmissionFactor", 0);
+    material.transmission_texture = make_texture_use(member(extension, "transmissionTexture"));
+  }
   material.ior = number(find_extension(source, "KHR_materials_ior"), "ior", 1.5F);
   // 0 is the extension's way to say "Fresnel term of one".
   if (material.ior != 0 && material.ior < 1)
@@ -131,6 +136,15 @@ std::vector<Material> make_materials(Document& document) {
   std::vector<Material> materials;
   materials.reserve(document.model.materials.size() + 1);
   for (std::size_t i = 0; i < document.model.materials.size(); ++i) materials.push_back(make_material(document, i));
+  const auto glass = std::find_if(materials.begin(), materials.end(), transmits);
+  if (glass != materials.end())
+    document.warn(
+        fmt::format("{}: glass (KHR_materials_transmission) lets light straight through, without refraction "
+                    "and tint",
+                    label("materials", std::size_t(glass - materials.begin()), glass->name)));
+  for (std::size_t i = 0; i < materials.size(); ++i)
+    if (materials[i].transmission > 0 && !is_black(materials[i].emission))
+      document.warn(label("materials", i, materials[i].name) + " emits and transmits light; it is taken as opaque");
   materials.emplace_back().name = "default";
   return materials;
 }
@@ -152,11 +166,6 @@ std::vector<Texture> make_textures(Document& document) {
     textures.push_back(texture);
   }
   return textures;
-}
-
-std::vector<TextureUse*> texture_uses(Material& material) {
-  return {&material.base_color_texture,     &material.metallic_roughness_texture, &material.specular_texture,
-          &material.specular_color_texture, &material.emission_texture,           &material.normal_texture};
 }
 
 }  // namespace ivory::gltf

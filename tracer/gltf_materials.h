@@ -12,9 +12,6 @@ std::vector<Material> make_materials(Document& document);
 // All textures of the file in its order; `image` is an index into the file's images.
 std::vector<Texture> make_textures(Document& document);
 
-// The texture uses of a material, to walk over all alike.
-std::vector<TextureUse*> texture_uses(Material& material);
-
 // Decodes the images that the materials use (those of which `material_used` is set) into
 // scene.images, and makes scene.textures point there.
 void load_images(Document& document, const std::vector<char>& material_used, Scene& scene);

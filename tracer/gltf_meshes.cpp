@@ -236,9 +236,10 @@ void read_colors(Document& document, const Attributes& attributes, Mesh& mesh) {
 void read_uvs(Document& document, const Attributes& attributes, std::vector<Material>& materials, Mesh& mesh) {
   std::set<int> wanted;
   std::set<int> lacking;
-  for (const TextureUse* use : texture_uses(materials[std::size_t(mesh.material)])) {
-    if (use->texture == no_index) continue;
-    (attributes.has(fmt::format("TEXCOORD_{}", use->uv_set)) ? wanted : lacking).insert(use->uv_set);
+  for (const auto slot : texture_slots) {
+    const TextureUse& use = materials[std::size_t(mesh.material)].*slot;
+    if (use.texture == no_index) continue;
+    (attributes.has(fmt::format("TEXCOORD_{}", use.uv_set)) ? wanted : lacking).insert(use.uv_set);
   }
   for (const int set : wanted) {
     const std::string name = fmt::format("TEXCOORD_{}", set);
@@ -250,8 +251,9 @@ void read_uvs(Document& document, const Attributes& attributes, std::vector<Mate
   Material reduced = materials[std::size_t(mesh.material)];
   document.warn(fmt::format("{} lacks TEXCOORD_{}, which textures of material '{}' need; they are left out",
                             attributes.what, *lacking.begin(), reduced.name));
-  for (TextureUse* use : texture_uses(reduced))
-    if (lacking.contains(use->uv_set)) *use = {};
+  for (const auto slot : texture_slots) {
+    if (lacking.contains((reduced.*slot).uv_set)) reduced.*slot = {};
+  }
   mesh.material = int(materials.size());
   materials.push_back(std::move(reduced));
 }

@@ -48,11 +48,16 @@ constexpr Field specular[] = {
     {"specularColorFactor", Kind::numbers, optional, 0, float_limit, 3},
     {.name = "specularColorTexture", .kind = Kind::object, .schema = texture_info},
 };
+constexpr Field transmission[] = {
+    {"transmissionFactor", Kind::number, optional, 0, 1},
+    {.name = "transmissionTexture", .kind = Kind::object, .schema = texture_info},
+};
 constexpr Field ior[] = {{"ior", Kind::number, optional, 0, float_limit}};
 constexpr Field emissive_strength[] = {{"emissiveStrength", Kind::number, optional, 0, float_limit}};
 constexpr Field material_extensions[] = {
     {.name = "KHR_materials_pbrSpecularGlossiness", .kind = Kind::object, .schema = specular_glossiness},
     {.name = "KHR_materials_specular", .kind = Kind::object, .schema = specular},
+    {.name = "KHR_materials_transmission", .kind = Kind::object, .schema = transmission},
     {.name = "KHR_materials_ior", .kind = Kind::object, .schema = ior},
     {.name = "KHR_materials_emissive_strength", .kind = Kind::object, .schema = emissive_strength},
     {.name = "KHR_materials_unlit", .kind = Kind::object},

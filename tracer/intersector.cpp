@@ -164,7 +164,7 @@ struct Intersector::State {
 
   GeometryRecord record_of(int mesh) const {
     const Material& material = scene->materials[std::size_t(scene->meshes[std::size_t(mesh)].material)];
-    return {scene, mesh, material.alpha_mode != AlphaMode::opaque, !material.double_sided, false};
+    return {scene, mesh, ivory::has_coverage(material), !material.double_sided, false};
   }
 
   RTCGeometry new_triangles(const Mesh& mesh, const std::vector<V3f>& positions) const {

@@ -2,6 +2,10 @@
 
 namespace ivory {
 
+bool transmits(const Material& material) { return material.transmission > 0 && is_black(material.emission); }
+
+bool has_coverage(const Material& material) { return material.alpha_mode != AlphaMode::opaque || transmits(material); }
+
 Box3f bounds(const Scene& scene) {
   Box3f box;
   for (const Instance& instance : scene.instances) {

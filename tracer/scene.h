@@ -51,7 +51,7 @@ struct LafortuneLobe {
 };
 inline constexpr std::size_t max_lafortune_lobes = 7;
 
-// glTF's metallic-roughness model with KHR_materials_specular, _ior and _emissive_strength, or,
+// glTF's metallic-roughness model with KHR_materials_specular, _ior, _emissive_strength and _transmission, or,
 // where the file uses KHR_materials_pbrSpecularGlossiness, that model (specular_glossiness true).
 struct Material {
   std::string name;
@@ -73,6 +73,11 @@ struct Material {
   bool specular_glossiness = false;
   float glossiness = 1;
 
+  // KHR_materials_transmission as coverage: this share of the light passes straight through, neither bent nor
+  // tinted; metals and materials that emit transmit nothing.
+  float transmission = 0;
+  TextureUse transmission_texture;  // linear, R
+
   Rgb emission{0, 0, 0};        // radiance in nits, emissive strength included
   TextureUse emission_texture;  // sRGB
 
@@ -86,6 +91,18 @@ struct Material {
   float alpha_cutoff = 0.5F;
   bool double_sided = false;
 };
+
+// Every use of a texture that a material has, to walk over all alike: (material.*slot).texture.
+inline constexpr TextureUse Material::*texture_slots[] = {
+    &Material::base_color_texture,     &Material::metallic_roughness_texture, &Material::specular_texture,
+    &Material::specular_color_texture, &Material::transmission_texture,       &Material::emission_texture,
+    &Material::normal_texture};
+
+// Does light pass through some of it: is coverage_at() (surface.h) below 1 anywhere?
+bool has_coverage(const Material& material);
+// Does KHR_materials_transmission let light through? Light that glass emits is not dimmed by its transmission, as
+// coverage would do.
+bool transmits(const Material& material);
 
 // One glTF primitive as triangles. All arrays but positions and triangles may be empty; those
 // that are not have one entry a vertex.

@@ -49,6 +49,19 @@ V4f base_color(const Scene& scene, const Mesh& mesh, const Material& material, i
   return color;
 }
 
+// The share of light that passes straight through. As in KHR_materials_transmission it is the
+// dielectric in the mix that transmits, not the metal.
+float transmission(const Scene& scene, const Mesh& mesh, const Material& m, int triangle, const V2f& barycentric) {
+  if (!transmits(m)) return 0;
+  const auto texel = [&](const TextureUse& use) {
+    return use.texture == no_index ? V4f(1, 1, 1, 1)
+                                   : sample(scene, use, uv_at(mesh, triangle, barycentric, use), false);
+  };
+  float metallic = m.metallic;
+  if (metallic > 0) metallic = std::clamp(metallic * texel(m.metallic_roughness_texture).z, 0.0F, 1.0F);
+  return std::clamp(m.transmission * texel(m.transmission_texture).x, 0.0F, 1.0F) * (1 - metallic);
+}
+
 // Placements are affine: no division by w. Directions transform by the linear part, normals by its inverse
 // transpose.
 V3f transform_point(const V3f& p, const M44f& m) {
@@ -214,10 +227,11 @@ Rgb emission_at(const Scene& scene, int instance, int triangle, const V2f& baryc
 float coverage_at(const Scene& scene, int mesh_index, int triangle, const V2f& barycentric) {
   const Mesh& mesh = scene.meshes[std::size_t(mesh_index)];
   const Material& material = scene.materials[std::size_t(mesh.material)];
-  if (material.alpha_mode == AlphaMode::opaque) return 1;
+  const float opaque = 1 - transmission(scene, mesh, material, triangle, barycentric);
+  if (material.alpha_mode == AlphaMode::opaque) return opaque;
   const float alpha = base_color(scene, mesh, material, triangle, barycentric).w;
-  if (material.alpha_mode == AlphaMode::mask) return alpha >= material.alpha_cutoff ? 1.0F : 0.0F;
-  return std::clamp(alpha, 0.0F, 1.0F);
+  if (material.alpha_mode == AlphaMode::mask) return alpha >= material.alpha_cutoff ? opaque : 0.0F;
+  return std::clamp(alpha, 0.0F, 1.0F) * opaque;
 }
 
 }  // namespace ivory

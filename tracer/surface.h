@@ -34,7 +34,7 @@ float own_surface_reach_m(const Intersector& intersector, const V3f& p, const V3
 // The radiance in nits that a triangle emits from barycentric b, on the side it emits from.
 Rgb emission_at(const Scene& scene, int instance, int triangle, const V2f& barycentric);
 
-// Coverage (0 to 1) of a mesh's material there: 0 or 1 for MASK, alpha for BLEND.
+// Coverage (0 to 1) of a mesh's material there: 0 or 1 for MASK, alpha for BLEND, times what it does not transmit.
 float coverage_at(const Scene& scene, int mesh, int triangle, const V2f& barycentric);
 
 }  // namespace ivory

@@ -72,11 +72,13 @@ const TextureUse& surface_use(const Material& m) {
 SurfaceMaterial make_material(const Material& m, const TextureStore& textures) {
   SurfaceMaterial out;
   out.base_color = m.base_color;
-  out.alpha = m.alpha;
+  // Glass is blended; its textures of transmission and of metal are not looked at.
+  const float opaque = transmits(m) ? 1 - m.transmission * (1 - m.metallic) : 1;
+  out.alpha = (m.alpha_mode == AlphaMode::opaque ? 1 : m.alpha) * opaque;
   out.base_color_texture = textures.at(m.base_color_texture, true);
-  out.coverage = m.alpha_mode == AlphaMode::opaque ? Coverage::opaque
-                 : m.alpha_mode == AlphaMode::mask ? Coverage::mask
-                                                   : Coverage::blend;
+  out.coverage = m.alpha_mode == AlphaMode::blend || opaque < 1 ? Coverage::blend
+                 : m.alpha_mode == AlphaMode::mask              ? Coverage::mask
+                                                                : Coverage::opaque;
   out.alpha_cutoff = m.alpha_cutoff;
   out.double_sided = m.double_sided;
   out.specular_glossiness = m.specular_glossiness;
