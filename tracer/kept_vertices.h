@@ -10,7 +10,8 @@
 namespace ivory {
 
 // How far from a surface a look-up reads, in voxels along each axis: the tricubic footprint reaches 2 from
-// the nudged point, which lies at most 1 off its surface.
+// the nudged point, a quarter off its surface by default (LookupParams) and meant to lie at most 1 off it; trilinear
+// look-ups, which reach 1, may be nudged by 2.
 inline constexpr int guard_band_voxels = 3;
 
 // [vertex] true within guard_band_voxels of any surface, and in the cells that touch a world-space box of
