@@ -72,7 +72,10 @@ void add_probe_command(CLI::App& app, CommonOptions& common) {
   command->add_option("--points", options->points, "Points: columns x,y,z (metres) and nx,ny,nz")
       ->required()
       ->type_name("P.csv");
-  command->add_option("-o,--output", options->output, "P's columns and r,g,b (lux), r_se,g_se,b_se (standard errors)")
+  command
+      ->add_option("-o,--output", options->output,
+                   "P's columns and r,g,b (lux), r_se,g_se,b_se (standard errors; a grid's are of its\nphotons' noise "
+                   "alone, estimated a quarter too large as a rule)")
       ->required()
       ->type_name("OUT.csv");
   command->add_flag("--indirect-only", options->indirect_only, "Leave out light straight from its sources");
