@@ -1,6 +1,7 @@
 // Localized cube maps close to walls, and polygons that the receiver's horizon cuts.
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "tools/stability/cube_builder.h"
 #include "tools/stability/scenes.h"
@@ -82,6 +83,28 @@ std::vector<StabilityPoint> cubemap_horizon(const StabilityParams&) {
           {s.name, angle * 180 / pi_d, std::abs(e - truth) / facing, s.bounded ? std::optional(1e-5) : std::nullopt});
     }
   }
+  // Horizons that hold an edge between texels, where a texel is neither cut nor whole. At heights 0 and 1/2 those at
+  // a right angle to the wall hold theirs exactly.
+  std::map<int, double> worst;  // by hundredths of a degree
+  for (const double height : {0.2, 0.5, 0.0}) {
+    for (const unsigned along : {1U, 2U}) {  // y or z
+      V3d at(0.7, -0.1, -0.1);
+      at[along] = height;
+      for (int k = -2; k <= 2; ++k) {
+        for (const double sign : {-1.0, 1.0}) {
+          V3d across(height - k / 2.0, 0, 0);
+          across[along] = 0.3;
+          const V3f normal(across.normalized() * sign);
+          const V3f receiver(at);
+          const auto e = double(irradiance(cube, CubeMethod::polygon, receiver, normal).x);
+          double& error = worst[int(std::lround(18'000 / pi_d * std::acos(double(normal.x))))];
+          error = std::max(error, std::abs(e - wall_irradiance(V3d(receiver), V3d(normal))) / facing);
+        }
+      }
+    }
+  }
+  for (const auto& [angle, error] : worst)
+    points.push_back({"polygons, edges in the horizon", angle / 100.0, error, 1e-5});
   return points;
 }
 

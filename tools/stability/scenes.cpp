@@ -1,5 +1,6 @@
 #include "tools/stability/scenes.h"
 
+#include <cassert>
 #include <cmath>
 
 namespace ivory {
@@ -17,6 +18,25 @@ Scene make_chambers(const Chambers& c) {
   const float h = c.side_m / 2;
   add_mesh(scene, make_room(V3f(-h, -h, -h), V3f(c.wall_x_m - c.thickness_m / 2, h, h), lit), c.to_world);
   add_mesh(scene, make_room(V3f(c.wall_x_m + c.thickness_m / 2, -h, -h), V3f(h, h, h), dark), c.to_world);
+  return scene;
+}
+
+Scene make_sheet_chambers(const Chambers& c) {
+  assert(c.thickness_m == 0);
+  Scene scene;
+  scene.name = "two chambers and a sheet";
+  const int lit = add_lambert(scene, Rgb(0, 0, 0), Rgb(2, 2, 2));
+  const int dark = add_lambert(scene, Rgb(0.5F, 0.5F, 0.5F));
+  const int sheet = add_lambert(scene, Rgb(1, 1, 1), Rgb(0, 0, 0), true);
+  const float h = c.side_m / 2;
+  // Without the face at the sheet: -x of a room are its first two triangles, +x the next.
+  Mesh left = make_room(V3f(-h, -h, -h), V3f(c.wall_x_m, h, h), lit);
+  left.triangles.erase(left.triangles.begin() + 2, left.triangles.begin() + 4);
+  Mesh right = make_room(V3f(c.wall_x_m, -h, -h), V3f(h, h, h), dark);
+  right.triangles.erase(right.triangles.begin(), right.triangles.begin() + 2);
+  add_mesh(scene, std::move(left), c.to_world);
+  add_mesh(scene, std::move(right), c.to_world);
+  add_mesh(scene, make_quad({c.wall_x_m, -h, -h}, {0, 2 * h, 0}, {0, 0, 2 * h}, sheet), c.to_world);
   return scene;
 }
 

@@ -35,6 +35,10 @@ struct Chambers {
 inline constexpr float chamber_irradiance = 2 * pi;  // lux, on the lit side
 Scene make_chambers(const Chambers& chambers);
 
+// The same light before a wall that is one two-sided sheet (thickness_m must be 0): the left chamber's other faces emit
+// 2 nits and reflect nothing, the sheet reflects all, L = 2 everywhere again. Nothing passes it.
+Scene make_sheet_chambers(const Chambers& chambers);
+
 // Points on the wall (world), `count` a side of a square lattice whose lines no grid shares, from edge to edge.
 std::vector<ProbePoint> lit_wall_points(const Chambers& chambers, int count);
 std::vector<ProbePoint> dark_wall_points(const Chambers& chambers, int count);
