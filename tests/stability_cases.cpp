@@ -26,8 +26,8 @@ struct Failure {
   double least;  // of its largest error
 };
 
-// What a case's sentence warns of must show in its plot. Levels are below what is measured by half of it or less, by a
-// factor of 80 for spikes of points, which have no limit.
+// What a case's sentence warns of must show in its plot. Levels are half or more of what is measured, but for the
+// spikes of points, which have no limit.
 const std::multimap<std::string_view, Failure> failures{
     {"grazing_photons", {"face", 1.0}},
     {"grazing_photons", {"face_paper", 0.55}},
@@ -37,21 +37,21 @@ const std::multimap<std::string_view, Failure> failures{
     {"wall_angle", {"no guard", 0.2}},
     {"vertex_on_wall", {"no guard, dark side", 0.25}},
     {"vertex_on_wall", {"no guard, lit side", 0.25}},
-    {"tiny_emitters", {"path, lamps met by chance", 0.9}},
+    {"tiny_emitters", {"path, lamps met by chance", 1.5}},
     {"caustics", {"grid, middle of the caustic", 0.6}},
     {"caustics", {"path, middle of the caustic", 0.6}},
-    {"nearly_closed", {"path, sky", 0.7}},
-    {"nearly_closed", {"grid, mean on the floor, sky", 0.3}},
+    {"nearly_closed", {"path, sky", 1.2}},
+    {"nearly_closed", {"grid, mean on the floor, sky", 0.7}},
     {"albedo_to_one", {"grid, 1000 bounces (default) of endless ones", 0.3}},
     {"float16_range", {"no scale", 0.9}},
-    {"far_from_origin", {"path", 0.5}},
+    {"far_from_origin", {"path", 0.6}},
     {"fiv_hard_light", {"24 x 13 x 12 samples", 0.03}},
     {"fiv_straddling", {"one vector", 0.12}},
     {"fiv_overlap", {"each hides its own", 0.8}},
     {"fiv_inside_sphere", {"32 x 17 x 15 samples", 0.06}},
     {"cubemap_spikes", {"points", 1000}},
     {"cubemap_horizon", {"polygons, not cut", 0.05}},
-    {"lobe_exponents", {"spherical Gaussians", 0.6}},
+    {"lobe_exponents", {"spherical Gaussians", 1.3}},
     {"lobe_horizon", {"cosine of the centre", 0.05}},
 };
 
