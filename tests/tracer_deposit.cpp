@@ -22,11 +22,13 @@ GridFrame test_frame() {
   return frame;
 }
 
-DepositTarget test_target(const GridFrame& frame, Basis basis = Basis::vectors,
-                          Estimator estimator = Estimator::track) {
+DepositTarget test_target(const GridFrame& frame, Basis basis = Basis::vectors, Estimator estimator = Estimator::track,
+                          int fine_bits = 0) {
   return make_deposit_target(frame, basis, estimator, 1.0F,
-                             std::vector<std::uint64_t>(frame.vertex_count(), ~std::uint64_t(0)));
+                             std::vector<std::uint64_t>(frame.vertex_count(), ~std::uint64_t(0)), fine_bits);
 }
+
+constexpr int fine = 12;
 
 std::vector<PhotonSegment> random_segments(const GridFrame& frame, int count, std::uint64_t seed) {
   RandomStream random(seed, StreamPurpose::test, 0);
@@ -146,9 +148,10 @@ TEST(Deposit, SumsAreTheSameInAnyOrder) {
   for (const Basis basis : all_bases) {
     for (const Estimator estimator : {Estimator::track, Estimator::face, Estimator::face_paper}) {
       if (estimator != Estimator::track && basis != Basis::vectors) continue;
-      DepositTarget whole = test_target(frame, basis, estimator);
+      DepositTarget whole = test_target(frame, basis, estimator, fine);
       DepositTarget parts = whole;
-      const auto segments = random_segments(frame, 1000, 2);
+      auto segments = random_segments(frame, 1000, 2);
+      for (std::size_t i = 0; i < segments.size(); i += 3) segments[i].power_lm *= i % 2 == 0 ? 1e-6F : 1e-9F;
       PhotonDepositor one(whole);
       one.deposit(segments);
       one.flush();
@@ -169,16 +172,70 @@ TEST(Deposit, SumsAreTheSameInAnyOrder) {
 // many is the multiple of one.
 TEST(Deposit, NothingOverflows) {
   const GridFrame frame = test_frame();
-  const DepositTarget target = test_target(frame);
-  PhotonSegment segment = random_segments(frame, 1, 8)[0];
-  segment.origin = frame.to_world(V3f(3, 2, 2.5F));
-  segment.length_m = 0.2F;
-  for (const float power : {1.0F, 60.0F, 2e3F, 2e4F}) {
-    segment.power_lm = Rgb(power, power, power);
-    const auto one = deposited(target, {segment});
-    const auto many = deposited(target, std::vector<PhotonSegment>(20'000, segment));
-    ASSERT_GT(*std::max_element(one.begin(), one.end()), 0);
-    for (std::size_t i = 0; i < one.size(); ++i) ASSERT_EQ(many[i], one[i] * 20'000) << power;
+  for (const int bits : {0, fine}) {
+    const DepositTarget target = test_target(frame, Basis::vectors, Estimator::track, bits);
+    PhotonSegment segment = random_segments(frame, 1, 8)[0];
+    segment.origin = frame.to_world(V3f(3, 2, 2.5F));
+    segment.length_m = 0.2F;
+    for (const float power : {1e-2F, 1.0F, 60.0F, 2e3F, 2e4F}) {
+      segment.power_lm = Rgb(power, power, power);
+      const auto one = deposited(target, {segment});
+      const auto many = deposited(target, std::vector<PhotonSegment>(20'000, segment));
+      ASSERT_GT(*std::max_element(one.begin(), one.end()), 0);
+      for (std::size_t i = 0; i < one.size(); ++i) ASSERT_EQ(many[i], one[i] * 20'000) << power << " " << bits;
+    }
+  }
+}
+
+// Photons far below a quantum still add up to their light. A power of 1e-12 of the strongest is 1e-3 quanta of 2^-30
+// over a voxel: one deposit in a thousand is one quantum. z <= 5 for 5 powers, 3 axes and 3 ways to deposit.
+TEST(Deposit, WeakPhotonsAreNotLostToRounding) {
+  const GridFrame frame = test_frame();
+  const float voxel_m = (frame.spacing_m.x + frame.spacing_m.y + frame.spacing_m.z) / 3;
+  struct Way {
+    Estimator estimator;
+    TrackWalk walk;
+  };
+  for (const Way way : {Way{Estimator::track, TrackWalk::sampled}, Way{Estimator::track, TrackWalk::exact},
+                        Way{Estimator::face, TrackWalk::sampled}}) {
+    const DepositTarget target = test_target(frame, Basis::vectors, way.estimator, fine);
+    for (const float power : {1e-3F, 1e-6F, 1e-8F, 1e-10F, 1e-12F}) {
+      RandomStream random(23, StreamPurpose::test, 0);
+      constexpr int batches = 50;
+      std::array<double, 3> sum{};
+      std::array<double, 3> squares{};
+      double truth = 0;
+      const float crossing_m = float(frame.size.z) * frame.spacing_m.z;
+      for (int batch = 0; batch < batches; ++batch) {
+        std::vector<PhotonSegment> segments;
+        for (int i = 0; i < 4000; ++i) {
+          // Straight through the grid along its z, each at its own place.
+          const V3f index(random.next() * 7 - 0.5F, random.next() * 5 - 0.5F, -2);
+          segments.push_back({frame.to_world(index), frame.direction_to_world(V3f(0, 0, 1)),
+                              std::numeric_limits<float>::infinity(), Rgb(power, power, power) * 0.37F, random.next()});
+        }
+        truth = 4000 * 0.37 * double(power) * (way.estimator == Estimator::face ? frame.size.z : double(crossing_m));
+        const auto sums = deposited(target, segments, way.walk);
+        std::array<double, 3> moment{};
+        for (std::size_t i = 0; i < sums.size(); i += 12) {
+          for (unsigned c = 0; c < 3; ++c) moment[c] += std::abs(double(sums[i + 6 + c])) * target.quantum;
+        }
+        for (unsigned c = 0; c < 3; ++c) {
+          sum[c] += moment[c];
+          squares[c] += moment[c] * moment[c];
+        }
+      }
+      for (unsigned c = 0; c < 3; ++c) {
+        const double mean = sum[c] / batches;
+        const double variance = std::max(0.0, squares[c] / batches - mean * mean);
+        // 1e-5: single precision on the way, as a share of the light.
+        EXPECT_NEAR(mean, truth, 5 * std::sqrt(variance / (batches - 1)) + 1e-5 * truth)
+            << name(way.estimator) << " " << int(way.walk) << " " << power;
+        // At most a quarter of a quantum^2 for each deposit, six a photon, all alike along a photon.
+        EXPECT_LT(variance, 4000 * (0.25 * 36 * target.quantum * target.quantum) + 1e-9 * truth * truth)
+            << name(way.estimator) << " " << power << " " << voxel_m;
+      }
+    }
   }
 }
 

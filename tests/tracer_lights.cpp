@@ -207,15 +207,26 @@ TEST(Lights, ArePickedByPowerAndEvenly) {
   EXPECT_LT(std::abs(z_score(blue, 1e-3 / 4)), z_limit);
 }
 
-TEST(Lights, PhotonsCarryLevelLuminance) {
+TEST(Lights, PhotonsCarryWhatTheirRangeSays) {
   Scene scene = lamp_scene(false);
   scene.lights.push_back(point_at({0, 0, 2}, {0, 0, 7}));
   scene.lights.push_back(DirectionalLight{V3f(0, -1, 0), Rgb(1, 0, 0)});
   scene.environment = uniform_environment({0.1F, 0.5F, 0.2F});
   const BareLights lit(std::move(scene));
   RandomStream random = test_stream();
-  const float total = luminance(lit.lights->total_power_lm());
-  for (int i = 0; i < 10000; ++i) ASSERT_NEAR(luminance(lit.lights->emit(random).power), total, 1e-4F * total);
+  const Lights::PhotonPower range = lit.lights->photon_power();
+  float least = std::numeric_limits<float>::infinity();
+  float most = 0;
+  for (int i = 0; i < 10000; ++i) {
+    const float power = max_component(lit.lights->emit(random).power);
+    least = std::min(least, power);
+    most = std::max(most, power);
+  }
+  EXPECT_NEAR(least, range.weakest_lm, 1e-4F * least);
+  EXPECT_NEAR(most, range.strongest_lm, 1e-4F * most);
+  // No photon carries more than twice what picking by power gives it.
+  EXPECT_LT(most, 2.0001F * (max_component(Rgb(10, 5, 1)) * pi * 3 + 4 * pi * 7 +
+                             pi * std::pow(lit.intersector->radius_m(), 2.0F) * (1 + 0.5F * 4 * pi)));
 }
 
 TEST(Lights, DarkScenesHaveNone) {

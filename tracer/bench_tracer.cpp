@@ -134,7 +134,7 @@ TracerBench bench_tracer(const Intersector& intersector, const Lights& lights, c
   placement.resolution = params.resolution;
   const GridFrame frame = default_frame(scene, placement);
   const std::vector<std::uint64_t> masks = vertex_cell_masks(intersector, frame);
-  const float power_lm = max_component(lights.total_power_lm());
+  const Lights::PhotonPower power = lights.photon_power();
   const std::vector<Ray> rays = record_rays(intersector, lights, params);
 
   TracerBench bench;
@@ -151,7 +151,8 @@ TracerBench bench_tracer(const Intersector& intersector, const Lights& lights, c
                                     {"face", Estimator::face, TrackWalk::sampled}};
   std::vector<DepositTarget> targets;
   for (const Method& method : methods) {
-    targets.push_back(make_deposit_target(frame, Basis::vectors, method.estimator, power_lm, masks));
+    targets.push_back(
+        make_deposit_target(frame, Basis::vectors, method.estimator, power.strongest_lm, masks, fine_bits(power)));
   }
 
   std::vector<double> bake_rate;

@@ -9,7 +9,7 @@
 namespace ivory {
 
 DepositTarget make_deposit_target(const GridFrame& frame, Basis basis, Estimator estimator, float power_lm,
-                                  std::vector<std::uint64_t> cell_masks) {
+                                  std::vector<std::uint64_t> cell_masks, int fine_bits) {
   DepositTarget target;
   target.frame = frame;
   target.basis = basis;
@@ -17,13 +17,16 @@ DepositTarget make_deposit_target(const GridFrame& frame, Basis basis, Estimator
   target.layout = sum_layout(basis, estimator);
   const double mean_spacing_m = (double(frame.spacing_m.x) + double(frame.spacing_m.y) + double(frame.spacing_m.z)) / 3;
   const double unit = double(power_lm) * (estimator == Estimator::track ? mean_spacing_m : 1.0);
-  target.quantum = unit * 0x1p-18;
-  target.quantum_squared = unit * unit * 0x1p-18;
+  target.quantum = std::ldexp(unit, -18 - fine_bits);
+  target.quantum_squared = std::ldexp(unit * unit, -18 - fine_bits);
+  target.fine_bits = fine_bits;
   target.cell_masks = std::move(cell_masks);
   assert(target.cell_masks.size() == frame.vertex_count());
   target.sums.assign(frame.vertex_count() * std::size_t(target.layout.stride()), 0);
   return target;
 }
+
+int fine_bits(const Lights::PhotonPower& power) { return power.weakest_lm < 0x1p-6F * power.strongest_lm ? 12 : 0; }
 
 std::vector<std::int64_t> sums_by_vertex(const DepositTarget& target) {
   const auto lanes = std::size_t(target.layout.lanes());
@@ -61,9 +64,11 @@ namespace {
 
 template <std::size_t functions>
 void set_lanes(const DepositTarget& target, const Rgb& power_lm, const float* f, float measure, SegmentLanes& lanes) {
-  // Powers are about target.quantum times 2^18 over a voxel: far from float's limits either way.
-  const Rgb scaled = power_lm * (measure * static_cast<float>(1 / target.quantum));
-  const float to_second = static_cast<float>(target.quantum * target.quantum / target.quantum_squared);
+  // Powers are at most about 2^18 coarse units over a voxel: far from float's limits either way.
+  const auto scale = static_cast<double>(std::int64_t(1) << target.fine_bits);
+  const double unit = target.quantum * scale;
+  const Rgb scaled = power_lm * (measure * static_cast<float>(1 / unit));
+  const float to_second = static_cast<float>(unit * unit / (target.quantum_squared * scale));
   for (unsigned c = 0; c < 3; ++c) {
     for (std::size_t i = 0; i < functions; ++i) lanes.values[3 * i + c] = scaled[c] * f[i];
     lanes.values[3 * functions + c] = scaled[c] * scaled[c] * to_second;

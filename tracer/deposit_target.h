@@ -20,6 +20,7 @@ struct DepositTarget {
   SumLayout layout;
   double quantum = 0;  // as in GridSums
   double quantum_squared = 0;
+  int fine_bits = 0;  // deposits are counted in coarse units of 2^fine_bits quanta, those too small for that in quanta
   std::vector<std::uint64_t> cell_masks;  // [vertex] 4x4x4 subcells that the vertex sees, x fastest; track only
   std::vector<std::int64_t> sums;         // [slot][vertex][lane]
 
@@ -29,10 +30,18 @@ struct DepositTarget {
 };
 
 // Sizes the sums and picks the quanta: a photon of `power_lm` (its strongest channel) crossing one voxel
-// is 2^18 units, which leaves rounding far below the photon noise even for channels and direction
+// is 2^18 coarse units, which leaves rounding far below the photon noise even for channels and direction
 // components 10,000 times weaker.
 DepositTarget make_deposit_target(const GridFrame& frame, Basis basis, Estimator estimator, float power_lm,
-                                  std::vector<std::uint64_t> cell_masks);
+                                  std::vector<std::uint64_t> cell_masks, int fine_bits = 0);
+
+// The fine bits that a scene's lights ask for. Where a sun shines into a scene, the photons of a lamp indoors may
+// carry a millionth of the strongest power: rounded to 2^-18 of that, the lamp's room would be dark, not noisy. 12
+// bits make the quanta 2^-30, at which the 64-bit sums still hold 2^31 of the strongest deposits in one voxel, of
+// which the second moment may be 3 units of 2^30; what is weaker yet is rounded at random (see photon_deposit.cpp).
+// None where all photons are above 2^-6 of the strongest, as with a single light: their deposits are 2^12 coarse
+// units, and second moments 2^6.
+int fine_bits(const Lights::PhotonPower& power);
 
 // The sums as a GridSums keeps them, [vertex][slot][lane].
 std::vector<std::int64_t> sums_by_vertex(const DepositTarget& target);
@@ -47,7 +56,7 @@ struct IndexSegment {
 };
 std::optional<IndexSegment> clip(const GridFrame& frame, const PhotonSegment& segment);
 
-// What a deposit adds to a slot's moments and second moments, in units of the quanta, for one metre
+// What a deposit adds to a slot's moments and second moments, in coarse units, for one metre
 // (track) or one crossing (face) of a segment; [function][rgb], then the second moment's rgb.
 inline constexpr std::size_t max_lanes = 30;
 struct SegmentLanes {

@@ -29,11 +29,11 @@ constexpr std::uint64_t least_default_photons = 1'000'000;
 constexpr std::uint64_t scout_photons_a_vertex = 4;
 constexpr std::uint64_t photons_a_batch = 2048;  // about 10,000 segments: they stay in the second-level cache
 
-void check_memory(const Scene& scene, const GridFrame& frame, const SumLayout& layout, int threads,
+void check_memory(const Scene& scene, const GridFrame& frame, const SumLayout& layout, int threads, bool two_scales,
                   const GridBakeParams& params) {
   const double sums = double(frame.vertex_count()) * layout.stride();
   const double grid = double(frame.vertex_count()) * (double(function_count(params.basis)) * 12 + 64);
-  const double needed = sums * (16 + 4.0 * threads) + grid;
+  const double needed = sums * (16 + (two_scales ? 8.0 : 4.0) * threads) + grid;
   const double limit = params.max_memory_bytes != 0 ? double(params.max_memory_bytes) : 0.75 * available_memory_bytes();
   if (needed <= limit) return;
   constexpr double gib = 1024.0 * 1024 * 1024;
@@ -103,7 +103,7 @@ GridSums bake_grid_sums(const Intersector& intersector, const Lights& lights, co
   const GridFrame frame = params.frame ? *params.frame : default_frame(scene, params);
   const SumLayout layout = sum_layout(params.basis, params.estimator);
   const int threads = params.threads > 0 ? params.threads : tbb::this_task_arena::max_concurrency();
-  check_memory(scene, frame, layout, threads, params);
+  check_memory(scene, frame, layout, threads, fine_bits(lights.photon_power()) != 0, params);
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, std::size_t(threads));
 
   const std::uint64_t photons = params.photons != 0
@@ -136,8 +136,8 @@ GridSums bake_grid_sums(const Intersector& intersector, const Lights& lights, co
     result.guard = fit_guard(intersector, frame, result.visible_fraction, lit);
   }
 
-  DepositTarget target = make_deposit_target(frame, params.basis, params.estimator,
-                                             max_component(lights.total_power_lm()), std::move(masks));
+  DepositTarget target = make_deposit_target(frame, params.basis, params.estimator, lights.photon_power().strongest_lm,
+                                             std::move(masks), fine_bits(lights.photon_power()));
   struct Worker {
     PhotonDepositor depositor;
     std::vector<PhotonSegment> segments;

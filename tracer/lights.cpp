@@ -59,17 +59,9 @@ struct Lights::State {
   std::vector<TriangleLight> triangles;
   std::vector<std::vector<int>> triangle_index;  // [instance][triangle] -> triangles; empty for dark instances
   std::optional<EnvironmentLight> environment;
-  struct Choice {
-    AliasTable table;
-    std::vector<float> probability;  // of picking each light
-
-    Choice() = default;
-    explicit Choice(const std::vector<double>& weights) : table(weights), probability(weights.size(), 0.0F) {
-      std::ranges::transform(table.probabilities(), probability.begin(), [](double p) { return float(p); });
-    }
-  };
-  Choice for_photons;
-  Choice for_sampling;
+  AliasTable table;
+  std::vector<float> probability;  // of picking each light
+  PhotonPower photon_power;
   Rgb total_power{0, 0, 0};
 
   std::size_t punctual_count() const { return scene->lights.size(); }
@@ -94,14 +86,12 @@ Lights::Lights(const Scene& scene, const Intersector& intersector) : state_(std:
     index[std::size_t(light.triangle)] = int(i);
   }
 
-  std::vector<double> weights;
   std::vector<double> powers;
   std::vector<std::size_t> groups;
   double total[3] = {0, 0, 0};
   const auto add = [&](const Rgb& power, std::size_t group, const std::string& what) {
     if (!is_finite(power))
       throw Error(scene.name, what + " has a power that is not finite", "correct its intensity or colour");
-    weights.push_back(double(luminance(power)));
     powers.push_back(std::max(0.0, double(max_component(power))));
     groups.push_back(group);
     for (int c = 0; c < 3; ++c) total[c] += double(power[c]);
@@ -114,8 +104,23 @@ Lights::Lights(const Scene& scene, const Intersector& intersector) : state_(std:
   const std::size_t environment_group = scene.lights.size() + scene.instances.size();
   if (state.environment) add(power_lm(*state.environment, state.sphere), environment_group, "the environment");
 
-  state.for_photons = State::Choice(weights);
-  state.for_sampling = State::Choice(pick_weights(powers, groups, environment_group + 1));
+  state.table = AliasTable(pick_weights(powers, groups, environment_group + 1));
+  state.probability.assign(powers.size(), 0.0F);
+  const std::vector<double> probabilities = state.table.probabilities();
+  std::ranges::transform(probabilities, state.probability.begin(), [](double p) { return float(p); });
+  std::vector<double> group_power(environment_group + 1, 0);
+  std::vector<double> group_probability(environment_group + 1, 0);
+  for (std::size_t i = 0; i < probabilities.size(); ++i) {
+    group_power[groups[i]] += powers[i];
+    group_probability[groups[i]] += probabilities[i];
+  }
+  for (std::size_t g = 0; g < group_power.size(); ++g) {
+    if (group_probability[g] == 0) continue;
+    const auto power = float(group_power[g] / group_probability[g]);
+    PhotonPower& range = state.photon_power;
+    range.weakest_lm = range.strongest_lm == 0 ? power : std::min(range.weakest_lm, power);
+    range.strongest_lm = std::max(range.strongest_lm, power);
+  }
   state.total_power = Rgb(float(total[0]), float(total[1]), float(total[2]));
 }
 
@@ -123,7 +128,7 @@ Lights::~Lights() = default;
 Lights::Lights(Lights&&) noexcept = default;
 Lights& Lights::operator=(Lights&&) noexcept = default;
 
-bool Lights::empty() const { return state_->for_sampling.table.empty(); }
+bool Lights::empty() const { return state_->table.empty(); }
 
 bool Lights::has_extended() const {
   return !state_->triangles.empty() || (state_->environment && !state_->environment->texels.empty());
@@ -131,10 +136,12 @@ bool Lights::has_extended() const {
 
 Rgb Lights::total_power_lm() const { return state_->total_power; }
 
+Lights::PhotonPower Lights::photon_power() const { return state_->photon_power; }
+
 EmittedPhoton Lights::emit(RandomStream& random) const {
   const State& state = *state_;
-  if (state.for_photons.table.empty()) return {state.sphere.center, V3f(0, 0, 1), Rgb(0, 0, 0)};
-  const std::size_t pick = state.for_photons.table.sample(random);
+  if (state.table.empty()) return {state.sphere.center, V3f(0, 0, 1), Rgb(0, 0, 0)};
+  const std::size_t pick = state.table.sample(random);
   EmittedPhoton photon;
   if (pick < state.punctual_count()) {
     photon = ivory::emit(state.scene->lights[pick], state.sphere, random);
@@ -143,15 +150,14 @@ EmittedPhoton Lights::emit(RandomStream& random) const {
   } else {
     photon = ivory::emit(*state.environment, state.sphere, random);
   }
-  photon.power /= state.for_photons.probability[pick];
+  photon.power /= state.probability[pick];
   return photon;
 }
 
 std::optional<LightSample> Lights::sample(const V3f& p, RandomStream& random) const {
   const State& state = *state_;
-  const State::Choice& choice = state.for_sampling;
-  if (choice.table.empty()) return std::nullopt;
-  const std::size_t pick = choice.table.sample(random);
+  if (state.table.empty()) return std::nullopt;
+  const std::size_t pick = state.table.sample(random);
   std::optional<LightSample> s;
   if (pick < state.punctual_count()) {
     s = ivory::sample(state.scene->lights[pick], p);
@@ -161,8 +167,8 @@ std::optional<LightSample> Lights::sample(const V3f& p, RandomStream& random) co
     s = ivory::sample(*state.environment, random);
   }
   if (!s) return s;
-  s->irradiance_weight /= choice.probability[pick];
-  s->pdf_solid_angle *= choice.probability[pick];
+  s->irradiance_weight /= state.probability[pick];
+  s->pdf_solid_angle *= state.probability[pick];
   return s;
 }
 
@@ -172,14 +178,14 @@ float Lights::pdf_solid_angle(const V3f& p, const Hit& hit) const {
   if (index.empty()) return 0;
   const int light = index[std::size_t(hit.triangle)];
   if (light == no_index) return 0;
-  return state.for_sampling.probability[state.punctual_count() + std::size_t(light)] *
+  return state.probability[state.punctual_count() + std::size_t(light)] *
          ivory::pdf_solid_angle(state.triangles[std::size_t(light)], p, hit.barycentric);
 }
 
 float Lights::environment_pdf_solid_angle(const V3f& w) const {
   const State& state = *state_;
   if (!state.environment) return 0;
-  return state.for_sampling.probability[state.environment_index()] * ivory::pdf_solid_angle(*state.environment, w);
+  return state.probability[state.environment_index()] * ivory::pdf_solid_angle(*state.environment, w);
 }
 
 Rgb Lights::environment_radiance(const V3f& w) const {

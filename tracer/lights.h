@@ -42,7 +42,15 @@ class Lights {
   Rgb total_power_lm() const;  // per channel; directional and environment light enter through the
                                // disc over the scene's bounding sphere
 
-  // One photon. Its power is total flux / pick probability..., near constant in luminance.
+  // Power (lm, strongest channel) that emit()'s photons carry, of the groups of lights with the strongest and with
+  // the weakest photons: what fixed-point sums are scaled by. A textured emitter's photons vary around it.
+  struct PhotonPower {
+    float strongest_lm = 0;
+    float weakest_lm = 0;
+  };
+  PhotonPower photon_power() const;
+
+  // One photon, from a light picked as in sample(). Its power is the light's flux over the odds of that.
   EmittedPhoton emit(RandomStream& random) const;
 
   // One light as seen from p, half by power and half evenly; nothing when that light cannot reach p

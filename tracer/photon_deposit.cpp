@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <cstring>
@@ -24,6 +25,12 @@
 // a segment crosses a voxel face, to the nearest of the face's vertices, and divide by the face's area.
 // Here every vertex stands in the middle of a whole cell, so the paper's half and quarter areas at the
 // grid's border do not arise.
+//
+// Where lights of very different power shine, deposits too small for the coarse unit are counted in quanta
+// instead, 2^fine_bits times smaller, and rounded at random: x becomes floor(x) + 1 with probability x - floor(x) and
+// else floor(x), whose mean is x however small it is. Rounding to the nearest would turn x < 1/2 into 0 each time, a
+// bias that no number of photons removes. It adds at most 1/4 quantum^2 to a deposit's variance. The random numbers
+// are hashed from the segment itself, whose jitter is uniform and which no batch or thread changes.
 
 namespace ivory {
 namespace {
@@ -37,6 +44,33 @@ void atomic_add(std::int64_t& target, std::int64_t value) {
 
 // Rounds to the nearest for |value| < 2^24; compiles to vector conversions, which lrint does not.
 std::int32_t rounded(float value) { return static_cast<std::int32_t>(value + std::copysign(0.5F, value)); }
+
+// Deposits of less than this many coarse units are counted in quanta, of which they are then less than largest_step.
+float fine_below(int fine_bits) { return fine_bits == 0 ? 0.0F : std::ldexp(largest_step, -fine_bits); }
+
+// An integer hash of little bias (Wellons, "Prospecting for Hash Functions", 2018).
+std::uint32_t mixed(std::uint32_t x) {
+  x ^= x >> 16U;
+  x *= 0x7feb352dU;
+  x ^= x >> 15U;
+  x *= 0x846ca68bU;
+  return x ^ (x >> 16U);
+}
+
+std::uint32_t rounding_key(const PhotonSegment& segment) {
+  std::uint32_t key = 0;
+  for (const float x : {segment.jitter, segment.direction.x, segment.direction.y, segment.origin.x, segment.origin.z})
+    key = mixed(key ^ std::bit_cast<std::uint32_t>(x)) + 0x9e3779b9U;
+  return key;
+}
+
+// Rounds coarse units to whole quanta at random.
+std::int32_t rounded_at_random(float value, int fine_bits, std::uint32_t key, std::size_t lane) {
+  const double quanta = std::ldexp(double(value), fine_bits);
+  const double whole = std::floor(quanta);
+  const std::uint32_t u = mixed(key + 0x9e3779b9U * static_cast<std::uint32_t>(lane + 1));
+  return static_cast<std::int32_t>(whole) + (double(u) < (quanta - whole) * 0x1p32 ? 1 : 0);
+}
 
 // Adds a step's values to a cell's lanes; true where one of them has come near overflow. Four lanes at a
 // time by hand (GCC and Clang's vector extension): both compilers unroll the plain loop into scalars.
@@ -70,8 +104,11 @@ unsigned subcell(int x, int y, int z) { return static_cast<unsigned>(((z & 3) <<
 
 }  // namespace
 
-PhotonDepositor::PhotonDepositor(DepositTarget& target, TrackWalk walk)
-    : target_(target), walk_(walk), sums_(target.sums.size(), 0) {}
+PhotonDepositor::PhotonDepositor(DepositTarget& target, TrackWalk walk) : target_(target), walk_(walk) {
+  coarse_.unit = std::int64_t(1) << target.fine_bits;
+  coarse_.sums.assign(target.sums.size(), 0);
+  if (target.fine_bits != 0) fine_.sums.assign(target.sums.size(), 0);
+}
 
 void PhotonDepositor::deposit(const std::vector<PhotonSegment>& segments) {
   switch (target_.layout.lanes()) {
@@ -96,6 +133,7 @@ void PhotonDepositor::deposit_all(const std::vector<PhotonSegment>& segments) {
     for (const PhotonSegment& segment : segments) walk_cells<lanes>(segment);
     return;
   }
+  const float fine_limit = fine_below(target_.fine_bits);
   // Sorted by slot, so that the inner loop works on an eighth of the sums at a time.
   for (const PhotonSegment& segment : segments) {
     const std::optional<IndexSegment> inside = clip(target_.frame, segment);
@@ -116,10 +154,18 @@ void PhotonDepositor::deposit_all(const std::vector<PhotonSegment>& segments) {
       largest = std::max(largest, std::abs(values[i]));
     }
     if (largest < largest_step) {
-      runs_[a_metre.slot].push_back(run);
-      std::vector<std::int32_t>& integers = run_values_[a_metre.slot];
+      const bool is_fine = largest < fine_limit;
+      Scale& scale = is_fine ? fine_ : coarse_;
+      scale.runs[a_metre.slot].push_back(run);
+      std::vector<std::int32_t>& integers = scale.run_values[a_metre.slot];
       integers.resize(integers.size() + lanes);
-      std::transform(values.begin(), values.end(), integers.end() - lanes, rounded);
+      if (is_fine) {
+        const std::uint32_t key = rounding_key(segment);
+        for (std::size_t i = 0; i < lanes; ++i)
+          integers[integers.size() - lanes + i] = rounded_at_random(values[i], target_.fine_bits, key, i);
+      } else {
+        std::transform(values.begin(), values.end(), integers.end() - lanes, rounded);
+      }
       continue;
     }
     for (int j = 0; j < run.count; ++j) {
@@ -133,22 +179,25 @@ void PhotonDepositor::deposit_all(const std::vector<PhotonSegment>& segments) {
         add_wide(a_metre.slot, vertex, values.data(), lanes);
     }
   }
-  for (std::size_t slot = 0; slot < runs_.size(); ++slot) {
-    sample_runs<lanes>(slot);
-    runs_[slot].clear();
-    run_values_[slot].clear();
+  for (Scale* scale : {&coarse_, &fine_}) {
+    for (std::size_t slot = 0; slot < scale->runs.size(); ++slot) {
+      sample_runs<lanes>(*scale, slot);
+      scale->runs[slot].clear();
+      scale->run_values[slot].clear();
+    }
   }
 }
 
 // The sums outgrow the second-level cache from about 32^3 vertices on, so this is bound by memory
 // latency: positions are found ahead of time and their sums asked for, then added when they are there.
 template <int lanes>
-void PhotonDepositor::sample_runs(std::size_t slot) {
+void PhotonDepositor::sample_runs(Scale& scale, std::size_t slot) {
+  if (scale.runs[slot].empty()) return;
   const V3i last = target_.frame.size - V3i(1, 1, 1);
   const int row = target_.frame.size.x;
   const int plane = row * target_.frame.size.y;
   const std::uint64_t* masks = target_.cell_masks.data();
-  std::int32_t* sums = sums_.data() + target_.lane_index(slot, 0);
+  std::int32_t* sums = scale.sums.data() + target_.lane_index(slot, 0);
 
   struct Pending {
     std::uint32_t vertex;
@@ -162,14 +211,14 @@ void PhotonDepositor::sample_runs(std::size_t slot) {
     for (std::size_t i = 0; i < waiting; ++i) {
       const Pending& p = pending[i];
       std::int32_t* cell = sums + std::size_t(p.vertex) * lanes;
-      if (add<lanes>(cell, run_values_[slot].data() + std::size_t(p.run) * lanes))
-        spill(target_.lane_index(slot, p.vertex), lanes);
+      if (add<lanes>(cell, scale.run_values[slot].data() + std::size_t(p.run) * lanes))
+        spill(scale, target_.lane_index(slot, p.vertex), lanes);
     }
     waiting = 0;
   };
 
-  for (std::size_t r = 0; r < runs_[slot].size(); ++r) {
-    const Run& run = runs_[slot][r];
+  for (std::size_t r = 0; r < scale.runs[slot].size(); ++r) {
+    const Run& run = scale.runs[slot][r];
     std::array<std::int32_t, block> vertex;
     std::array<std::int32_t, block> bit;
     for (int first = 0; first < run.count; first += block) {
@@ -249,7 +298,7 @@ void PhotonDepositor::walk_cells(const PhotonSegment& segment) {
          std::array<float, lanes> values;
          for (std::size_t i = 0; i < lanes; ++i)
            values[i] = a_metre.values[i] * (i + 3 < lanes ? length_m : length_m * length_m);
-         add_step<lanes>(a_metre.slot, vertex, values.data());
+         add_step<lanes>(a_metre.slot, vertex, values.data(), segment);
        });
 }
 
@@ -271,20 +320,28 @@ void PhotonDepositor::cross_faces(const PhotonSegment& segment) {
       V3i vertex;
       for (unsigned a = 0; a < 3; ++a) vertex[a] = std::clamp(static_cast<int>(at[a]), 0, size[a] - 1);
       vertex[axis] = plane;
-      add_step<12>(a_crossing.slot, target_.frame.vertex_index(vertex.x, vertex.y, vertex.z), a_crossing.values.data());
+      add_step<12>(a_crossing.slot, target_.frame.vertex_index(vertex.x, vertex.y, vertex.z), a_crossing.values.data(),
+                   segment);
     }
   }
 }
 
 template <int lanes>
-void PhotonDepositor::add_step(std::size_t slot, std::size_t vertex, const float* values) {
+void PhotonDepositor::add_step(std::size_t slot, std::size_t vertex, const float* values,
+                               const PhotonSegment& segment) {
   std::array<std::int32_t, lanes> integers;
   float largest = 0;
   for (std::size_t i = 0; i < lanes; ++i) largest = std::max(largest, std::abs(values[i]));
   if (!(largest < largest_step)) return add_wide(slot, vertex, values, lanes);
-  for (std::size_t i = 0; i < lanes; ++i) integers[i] = rounded(values[i]);
   const std::size_t first = target_.lane_index(slot, vertex);
-  if (add<lanes>(sums_.data() + first, integers.data())) spill(first, lanes);
+  Scale& scale = largest < fine_below(target_.fine_bits) ? fine_ : coarse_;
+  if (&scale == &fine_) {
+    const std::uint32_t key = mixed(rounding_key(segment) ^ static_cast<std::uint32_t>(first));
+    for (std::size_t i = 0; i < lanes; ++i) integers[i] = rounded_at_random(values[i], target_.fine_bits, key, i);
+  } else {
+    for (std::size_t i = 0; i < lanes; ++i) integers[i] = rounded(values[i]);
+  }
+  if (add<lanes>(scale.sums.data() + first, integers.data())) spill(scale, first, lanes);
 }
 
 // Saturates instead of overflowing: a deposit of 2^60 units (a face met at next to no angle) is noise
@@ -292,23 +349,26 @@ void PhotonDepositor::add_step(std::size_t slot, std::size_t vertex, const float
 void PhotonDepositor::add_wide(std::size_t slot, std::size_t vertex, const float* values, int lanes) {
   const std::size_t first = target_.lane_index(slot, vertex);
   for (std::size_t i = 0; i < std::size_t(lanes); ++i) {
-    const double value = std::isnan(values[i]) ? 0 : std::clamp(double(values[i]), -0x1p60, 0x1p60);
+    const double value =
+        std::isnan(values[i]) ? 0 : std::clamp(double(values[i]) * double(coarse_.unit), -0x1p60, 0x1p60);
     atomic_add(target_.sums[first + i], std::llround(value));
   }
 }
 
-void PhotonDepositor::spill(std::size_t first_lane, int lanes) {
+void PhotonDepositor::spill(Scale& scale, std::size_t first_lane, int lanes) {
   for (std::size_t i = first_lane; i < first_lane + std::size_t(lanes); ++i) {
-    atomic_add(target_.sums[i], sums_[i]);
-    sums_[i] = 0;
+    atomic_add(target_.sums[i], scale.sums[i] * scale.unit);
+    scale.sums[i] = 0;
   }
 }
 
 void PhotonDepositor::flush() {
-  for (std::size_t i = 0; i < sums_.size(); ++i) {
-    if (sums_[i] != 0) atomic_add(target_.sums[i], sums_[i]);
+  for (Scale* scale : {&coarse_, &fine_}) {
+    for (std::size_t i = 0; i < scale->sums.size(); ++i) {
+      if (scale->sums[i] != 0) atomic_add(target_.sums[i], scale->sums[i] * scale->unit);
+    }
+    std::fill(scale->sums.begin(), scale->sums.end(), 0);
   }
-  std::fill(sums_.begin(), sums_.end(), 0);
 }
 
 }  // namespace ivory

@@ -32,23 +32,30 @@ class PhotonDepositor {
     int count = 0;
   };
 
+  // Sums of one size of unit. Photons are added to one of two, so that 32 bits suffice for either.
+  struct Scale {
+    std::int64_t unit = 1;                                // in quanta
+    std::vector<std::int32_t> sums;                       // [slot][vertex][lane]
+    std::array<std::vector<Run>, 8> runs;                 // [slot], scratch
+    std::array<std::vector<std::int32_t>, 8> run_values;  // [slot][run][lane]
+  };
+
   template <int lanes>
   void deposit_all(const std::vector<PhotonSegment>& segments);
   template <int lanes>
-  void sample_runs(std::size_t slot);
+  void sample_runs(Scale& scale, std::size_t slot);
   template <int lanes>
   void walk_cells(const PhotonSegment& segment);
   void cross_faces(const PhotonSegment& segment);
   template <int lanes>
-  void add_step(std::size_t slot, std::size_t vertex, const float* values);
+  void add_step(std::size_t slot, std::size_t vertex, const float* values, const PhotonSegment& segment);
   void add_wide(std::size_t slot, std::size_t vertex, const float* values, int lanes);
-  void spill(std::size_t first_lane, int lanes);
+  void spill(Scale& scale, std::size_t first_lane, int lanes);
 
   DepositTarget& target_;
   TrackWalk walk_;
-  std::vector<std::int32_t> sums_;                       // [slot][vertex][lane]
-  std::array<std::vector<Run>, 8> runs_;                 // [slot], scratch
-  std::array<std::vector<std::int32_t>, 8> run_values_;  // [slot][run][lane]
+  Scale coarse_;
+  Scale fine_;  // empty where the target has no fine bits
 };
 
 }  // namespace ivory
