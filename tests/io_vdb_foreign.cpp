@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 #include <openvdb/openvdb.h>
+#include <sys/resource.h>
 
 #include "grid/error.h"
 #include "grid/io_trial.h"
@@ -235,6 +236,23 @@ TEST(VdbForeign, RefusesOtherContent) {
     const std::string error = Resaved("content", edit).error();
     EXPECT_NE(error.find(what), std::string::npos) << what << ": " << error;
   }
+}
+
+// A vertex of six hemispheres takes 392 bytes at the reader's peak: 216 as stored, 144 as moments, 32 of visibility,
+// guard and OpenVDB's grid. 256 x 256 x 128 of them are 3.06 GiB, more than three quarters of 4; no part is.
+TEST(VdbForeign, ThePeakOfReadingIsWeighed) {
+  const Resaved file("peak", [](openvdb::GridPtrVec& /*grids*/, openvdb::MetaMap& metadata) {
+    metadata.removeMeta("ivory_file_size");
+    metadata.insertMeta("ivory_file_size", openvdb::Vec3IMetadata({256, 256, 128}));
+  });
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_AS, &before), 0);
+  rlimit lowered = before;
+  lowered.rlim_cur = rlim_t{4} << 30U;
+  ASSERT_EQ(setrlimit(RLIMIT_AS, &lowered), 0);
+  const std::string error = file.error();
+  setrlimit(RLIMIT_AS, &before);
+  EXPECT_NE(error.find("needs 3.06 GiB of memory, and 3 GiB may be used"), std::string::npos) << error;
 }
 
 // Without ivory's checksum OpenVDB meets the damage itself; whatever it does there, one line comes out.
