@@ -124,6 +124,24 @@ TEST_F(EnvironmentTools, EveryLayoutBakesTheSameIrradiance) {
   }
 }
 
+// The map itself, summed over its texels.
+TEST_F(EnvironmentTools, ProbesEnvironmentMapsThemselves) {
+  const std::vector<V3d> normals{{0, 1, 0}, {0, -1, 0}, {1, 0, 0}, {0.6, 0, -0.8}};
+  for (const EnvironmentLayout layout : all_layouts) {
+    write("map.exr", layout, 32, slope);
+    const auto e = probed("map.exr");
+    ASSERT_EQ(e.size(), normals.size());
+    for (std::size_t i = 0; i < normals.size(); ++i) {
+      // Texels of 1/32 of a right angle: 4e-4 of the slope.
+      for (int c = 0; c < 3; ++c) EXPECT_NEAR(e[i][c] / slope_irradiance(normals[i])[c], 1, 8e-4) << name(layout) << i;
+    }
+  }
+  const Json json = run("probe " + path("map.exr") + " --points " + path("p.csv") + " -o " + path("e.csv"));
+  EXPECT_EQ(json["source"], "environment");
+  EXPECT_EQ(json["layout"], "cube_row");
+  EXPECT_LT(json["error_bound_lux"], 1e-4);
+}
+
 TEST_F(EnvironmentTools, OrderWindowAndErrorsOfOneSmallLight) {
   // About one texel: the worst there is.
   write("sun.exr", EnvironmentLayout::latlong, 32,
@@ -256,7 +274,9 @@ TEST_F(EnvironmentTools, BadInputIsOneLine) {
   expect_refused("bake sh9 " + path("x.exr") + " -o " + path("y.json"), 1, "is baked (difmap)");
   expect_refused("probe " + path("x.json") + points + " --indirect-only", 2, "--indirect-only");
   expect_refused("probe " + path("x.exr") + points + " --guard off", 2, "--guard");
-  expect_refused("probe " + good + points, 1, "nothing that can be probed");
+  expect_refused("probe " + good + points + " --indirect-only", 2, "--indirect-only");
+  expect_refused("probe " + path("cut.exr") + points, 1, "cut.exr");
+  expect_refused("probe " + path("missing.exr") + points, 1, "missing.exr");
   std::ofstream(path("bad.json")) << "{\"format\": \"ivory sh9\"}";
   expect_refused("probe " + path("bad.json") + points, 1, "bad.json");
   expect_refused("info " + path("bad.json"), 1, "bad.json");

@@ -66,7 +66,8 @@ void add_probe_command(CLI::App& app, CommonOptions& common) {
   auto options = std::make_shared<ProbeOptions>();
   command
       ->add_option("source", options->source,
-                   "Grid (.vdb), cube map or DifMap (.exr), SH9 (.json), or scene (.gltf, .glb) for\npath-traced truth")
+                   "Grid (.vdb), cube map or DifMap (.exr), SH9 (.json), scene (.gltf, .glb) for path-traced\ntruth, "
+                   "or environment map (.exr, .hdr ...) for the sum over its texels")
       ->required()
       ->type_name("SOURCE");
   command->add_option("--points", options->points, "Points: columns x,y,z (metres) and nx,ny,nz")
@@ -87,9 +88,11 @@ void add_probe_command(CLI::App& app, CommonOptions& common) {
   sources->push_back(make_difmap_source());
   sources->push_back(make_scene_source(*command));
   sources->push_back(make_fiv_source(*command));
+  sources->push_back(make_environment_source());
   command->footer(
       "Examples:\n"
       "  ivory probe room.vdb --points p.csv -o grid.csv --scene room.glb\n"
+      "  ivory probe sky.hdr --points p.csv -o exact.csv\n"
       "  ivory probe room.glb --points p.csv -o truth.csv --indirect-only --samples 64k");
   set_action(*command, common, Output::file,
              [options, sources, command, &common] { run_probe(*options, *sources, *command, common); });

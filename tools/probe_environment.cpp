@@ -1,19 +1,28 @@
-// ivory probe on SH9 and DifMap: an environment's irradiance for the points' normals, unshadowed.
+// ivory probe on SH9, DifMaps and environment maps themselves: an environment's irradiance for the points' normals,
+// unshadowed.
+#include <algorithm>
+
 #include <tbb/parallel_for.h>
 
 #include "grid/error.h"
 #include "grid/io_difmap.h"
 #include "grid/io_sh9.h"
+#include "tools/file_kind.h"
 #include "tools/probe_source.h"
+#include "tracer/irradiance_sum.h"
 
 namespace ivory {
 
 namespace {
 
+// All of an environment is light straight from its source.
+void refuse_indirect_only(const ProbeRequest& request) {
+  if (request.indirect_only) throw UsageError("--indirect-only serves grids and scenes only");
+}
+
 template <typename Irradiance>
 ProbeEstimates probe_normals(const ProbeRequest& request, const char* source, const Irradiance& irradiance_of) {
-  // All of it is light straight from its source.
-  if (request.indirect_only) throw UsageError("--indirect-only serves grids and scenes only");
+  refuse_indirect_only(request);
   ProbeEstimates out;
   out.e.resize(request.table.n.size());
   out.standard_error.assign(request.table.n.size(), Rgb(0, 0, 0));
@@ -42,6 +51,25 @@ ProbeSource make_difmap_source() {
   source.probe = [](const ProbeRequest& request) {
     const DifMap map = read_difmap(request.source);
     return probe_normals(request, "difmap", [&](const V3f& n) { return irradiance(map, n); });
+  };
+  return source;
+}
+
+ProbeSource make_environment_source() {
+  ProbeSource source;
+  source.name = "environment maps";
+  source.matches = [](const std::string& path) { return file_kind(path) == FileKind::image; };
+  source.probe = [](const ProbeRequest& request) {
+    refuse_indirect_only(request);
+    const EnvironmentImage image = load_environment_image(request.source);
+    const IrradianceSums sums = sum_irradiance(image, request.table.n);
+    ProbeEstimates out;
+    for (const V3d& e : sums.e) out.e.emplace_back(e);
+    out.standard_error.assign(out.e.size(), Rgb(0, 0, 0));
+    out.facts = {{"source", std::string("environment")},
+                 {"layout", std::string(name(image.layout))},
+                 {"error_bound_lux", std::max({sums.error_bound.x, sums.error_bound.y, sums.error_bound.z})}};
+    return out;
   };
   return source;
 }

@@ -4,19 +4,12 @@
 
 #include "grid/lobe_moments.h"
 #include "grid/lobe_table.h"
+#include "tools/stability/gaussians.h"
 #include "tools/stability/scenes.h"
 #include "tools/stability/stability.h"
 
 namespace ivory {
 namespace {
-
-// Spherical Gaussians exp(l (a.w - 1)) in the lobes' stead, l the exponent: the integral of their product is
-// 4 pi sinh(m)/m exp(-l1 - l2) with m = |l1 a1 + l2 a2|.
-double gaussian_product(double l1, double l2, double alpha) {
-  const double m = std::sqrt(std::max(0.0, l1 * l1 + l2 * l2 + 2 * l1 * l2 * std::cos(alpha)));
-  const double ratio = m > 1e-6 ? (1 - std::exp(-2 * m)) / (2 * m) : 1;
-  return 4 * pi_d * ratio * std::exp(m - l1 - l2);
-}
 
 // Of a lobe: cos^e has (e + 1)/(e + 2).
 double mean_cosine(double exponent) { return (exponent + 1) / (exponent + 2); }
