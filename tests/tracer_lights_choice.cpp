@@ -188,17 +188,17 @@ TEST(Lights, NarrowSpotsKeepTheirLight) {
   }
 }
 
-Accumulator direct_at(const Scene& scene, const V3f& p, int samples) {
+Accumulator direct_at(const Scene& scene, const V3f& p, const V3f& n, int samples) {
   const Intersector intersector(scene);
   const Lights lights(scene, intersector);
   Surface surface;
   surface.p = p;
-  surface.ng = surface.ns = V3f(0, 1, 0);
+  surface.ng = surface.ns = n;
   surface.diffuse_albedo = Rgb(1, 1, 1);
   surface.reach_m = triangle_reach_m(scene, 0, 0);
   const Bsdf bsdf = make_bsdf(surface);
   return collect(samples, [&](RandomStream& random) {
-    return sample_direct(intersector, lights, surface, bsdf, V3f(0, 1, 0), DirectStrategy::light, random) * pi;
+    return sample_direct(intersector, lights, surface, bsdf, n, DirectStrategy::light, random) * pi;
   });
 }
 
@@ -215,7 +215,7 @@ TEST(ShadowEnds, BlockersCloseToALampBlock) {
       } else {
         scene.lights.push_back(PointLight{V3f(0, 100, 0), Rgb(1e4F, 1e4F, 1e4F)});
       }
-      const Accumulator e = direct_at(scene, V3f(0, 0, 0), 1000);
+      const Accumulator e = direct_at(scene, V3f(0, 0, 0), V3f(0, 1, 0), 1000);
       if (plate_m < 0) {
         EXPECT_EQ(e.mean(), 0) << emitter;
       } else {
@@ -228,17 +228,20 @@ TEST(ShadowEnds, BlockersCloseToALampBlock) {
 // A square emitter of half side a at height h over the point, by sampling lights alone: E between parallel planes is
 // 4 L (a / r) atan(a / r) with r^2 = a^2 + h^2.
 TEST(ShadowEnds, EmittersCloseByLightFarFromTheOrigin) {
+  // Leaning: coordinates along the axes would round to the very plane of the lamp.
+  const V3f n = V3f(0.4F, 1, -0.3F).normalized();
+  const Frame frame = make_frame(n);
   for (const float far_m : {0.0F, 10.0F, 100.0F, 1000.0F}) {
     for (const float height_m : {0.3F, 0.03F, 0.01F}) {
       const V3f p(far_m, far_m, -far_m);
       Scene scene;
       const int black = add_lambert(scene, Rgb(0, 0, 0));
       const int lamp = add_lambert(scene, Rgb(0, 0, 0), Rgb(5, 5, 5));
-      add_mesh(scene, make_quad(p - V3f(2, 0, 2), {0, 0, 4}, {4, 0, 0}, black));  // looks up
-      const V3f corner = p + V3f(-height_m, height_m, -height_m);
-      add_mesh(scene, make_quad(corner, {2 * height_m, 0, 0}, {0, 0, 2 * height_m}, lamp));  // looks down
+      add_mesh(scene, make_quad(p - (frame.x + frame.y) * 2, frame.x * 4, frame.y * 4, black));  // looks along n
+      const V3f corner = p + (n - frame.x - frame.y) * height_m;
+      add_mesh(scene, make_quad(corner, frame.y * (2 * height_m), frame.x * (2 * height_m), lamp));  // against n
       const double truth = 4 * 5 * std::sqrt(0.5) * std::atan(std::sqrt(0.5));
-      const Accumulator e = direct_at(scene, p, 20'000);
+      const Accumulator e = direct_at(scene, p, n, 20'000);
       // Coordinates at 1 km are 6e-5 m apart: each of the lamp's sides and its height may be off by half of
       // that, and E goes as their ratio's square.
       const double rounding = (1e-4 + 4 * 0x1p-24 * double(far_m) / double(height_m)) * truth;
