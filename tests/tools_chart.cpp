@@ -1,13 +1,20 @@
 // ivory chart as a script meets it: a tiny curve, measured, gone on with, drawn.
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <sstream>
 #include <string>
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/file.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "tests/command_test.h"
 
@@ -128,6 +135,137 @@ TEST_F(ChartCommand, FillsTablesOfADocument) {
   EXPECT_NE(text.find("stays"), std::string::npos);
   EXPECT_TRUE(bytes_of(path("charts/sh9_order.png")) == read("sh9_order.png"));  // no dump of a picture
   EXPECT_FALSE(read("sh9_order.png").empty());
+}
+
+// The records of a results.jsonl by the name of their point.
+std::map<std::string, nlohmann::json> points_of(const std::string& log) {
+  std::map<std::string, nlohmann::json> found;
+  std::istringstream stream(log);
+  for (std::string line; std::getline(stream, line);) {
+    const auto record = nlohmann::json::parse(line);
+    if (record.at("kind") == "point") found[record.at("name")] = record;
+  }
+  return found;
+}
+
+// One point of each curve, in a folder whose name a shell and a URI would each misread.
+TEST_F(ChartCommand, EachCurveMeasures) {
+  const std::string folder = path("a b%41");
+  std::string only;
+  for (const char* name : {"grid/cornell_box/path_tracing/1", "bases/1_distant_light/vectors/0", "sh9/sky/sh/order_0",
+                           "fiv/one_hard_light_floating/six_hemispheres/16_9_8", "cubemap/coloured_box/convolved/2",
+                           "lobes/one_ball_of_light/cosine_lobes/all", "rates/sh9/bench/all", "stability/grid_planes"})
+    only += std::string(" --only ") + name;
+  const std::string arguments = "chart quick --threads 2 -o '" + folder + "'" + only;
+  const RunResult listed = run_ivory(arguments + " --list", false);
+  EXPECT_EQ(listed.exit_code, 0);
+  EXPECT_FALSE(fs::exists(folder)) << "--list writes";
+  // Lobes need a mesh that is not bundled.
+  ASSERT_GE(lines(listed.output), 7) << listed.output;
+
+  const auto result = run(arguments);
+  EXPECT_EQ(result.at("points"), lines(listed.output));
+  EXPECT_EQ(result.at("failed"), 0);
+  EXPECT_GE(result.at("charts").get<int>(), 6);
+  EXPECT_EQ(result.at("page"), folder + "/index.html");
+  EXPECT_GT(bytes_of(folder + "/index.html").size(), 10000U);
+  const auto points = points_of(bytes_of(folder + "/results.jsonl"));
+  for (const auto& [name, point] : points)
+    EXPECT_NE(listed.output.find("      " + name + "\n"), std::string::npos) << name;
+  EXPECT_EQ(int(points.size()), lines(listed.output));
+  EXPECT_TRUE(points.at("stability/grid_planes").at("within_bounds"));
+  // Commands can be pasted into a shell.
+  const std::string command = points.at("sh9/sky/sh/order_0").at("commands").at(0);
+  EXPECT_EQ(std::system((command + " > '" + path("pasted") + "' 2>&1").c_str()), 0)
+      << command << bytes_of(path("pasted"));
+}
+
+TEST_F(ChartCommand, GuardsItsResults) {
+  const std::string one = "chart sh9 --threads 1 -o " + path("out") + " --only sh9/sky/sh/order_0";
+  ASSERT_EQ(run_ivory(one).exit_code, 0);
+  const std::string log = read("results.jsonl");
+
+  // A line damaged for good is told and left out; what it held is measured again.
+  const std::size_t first = log.find('\n') + 1;
+  std::ofstream(path("out/results.jsonl")) << "{\"key\": \"1" << log;
+  const RunResult damaged = run_ivory(one);
+  EXPECT_EQ(damaged.exit_code, 0) << damaged.output;
+  EXPECT_NE(damaged.output.find("1 damaged line left out"), std::string::npos) << damaged.output;
+  std::ofstream(path("out/results.jsonl")) << log.substr(0, first) << "nonsense\n" << log.substr(first) << "{\"ke";
+  // Who only reads leaves the end alone, which another run may be writing.
+  EXPECT_NE(run_ivory(one + " --list").output.find("done  sh9/sky/sh/order_0"), std::string::npos);
+  EXPECT_EQ(run_ivory(one + " --draw").exit_code, 0);
+  EXPECT_TRUE(read("results.jsonl").ends_with("\n{\"ke"));
+  EXPECT_EQ(run_ivory(one).exit_code, 0);
+  EXPECT_TRUE(read("results.jsonl").ends_with(log.substr(first))) << "measured again";
+
+  // A disk that is full in the middle of a record, by a limit of 512-byte blocks.
+  const std::string whole = read("results.jsonl");
+  const std::string limited = "ulimit -f " + std::to_string(whole.size() / 512 + 1) +
+                              "; exec " IVORY_BINARY " chart sh9 --threads 1 --quiet -o " + path("out") +
+                              " --only sh9/sky/sh/order_1 > " + path("said") + " 2>&1";
+  EXPECT_EQ(WEXITSTATUS(std::system(limited.c_str())), 1);
+  EXPECT_NE(bytes_of(path("said")).find("results.jsonl: cannot be written"), std::string::npos)
+      << bytes_of(path("said"));
+  EXPECT_TRUE(read("results.jsonl") == whole);
+
+  const int held = ::open(path("out/lock").c_str(), O_RDWR);
+  ASSERT_EQ(::flock(held, LOCK_EX), 0);
+  expect_one_line(one, 1, "another ivory chart is measuring");
+  EXPECT_EQ(run_ivory(one + " --list").exit_code, 0);
+  ::close(held);
+  expect_one_line("chart sh9 -o " + path("said"), 1, "is no folder");
+  expect_one_line("chart sh9 -o " + path("said/below"), 1, "cannot be made");
+}
+
+TEST_F(ChartCommand, InputsAreFollowed) {
+  fs::create_directories(path("data/env"));
+  const std::string map = path("data/env/noon_grass_1k.hdr");
+  fs::copy_file(scene("sky.hdr"), map);
+  ::setenv("IVORY_DATA", path("data").c_str(), 1);
+  const std::string one = "chart sh9 --quiet --threads 1 -o " + path("out") + " --only sh9/noon_grass/sh/order_0";
+  ASSERT_EQ(run_ivory(one).exit_code, 0);
+  const std::string log = read("results.jsonl");
+  // A generated file that is damaged, or left of other sources, is made again, and means nothing new.
+  const std::string normals = read("scenes/normals_500.csv");
+  std::ofstream(path("out/scenes/normals_500.csv")) << normals.substr(0, normals.size() / 2);
+  ASSERT_EQ(run_ivory(one).exit_code, 0);
+  EXPECT_TRUE(read("scenes/normals_500.csv") == normals);
+  EXPECT_EQ(read("results.jsonl"), log);
+
+  std::fstream(map, std::ios::in | std::ios::out | std::ios::binary).seekp(-4, std::ios::end) << "\x80\x01\x80\x81";
+  ASSERT_EQ(run_ivory(one).exit_code, 0);
+  const std::string more = read("results.jsonl");
+  ASSERT_TRUE(more.starts_with(log));
+  EXPECT_EQ(points_of(more.substr(log.size())).count("sh9/noon_grass/sh/order_0"), 1U);
+}
+
+// A shell script that starts a point of many seconds as `ivory`, with SIGINT ignored as of what a script starts in the
+// background, does something once its first command runs, and prints its exit code.
+std::string script(const std::string& ivory, const std::string& folder, const std::string& then) {
+  return "(trap '' INT; exec " + ivory + " chart grid --threads 1 --only grid/cornell_box/path_tracing/1 -o " + folder +
+         ") > " + folder + ".said 2>&1 & run=$!; n=0; until grep -q '^.1/1' " + folder +
+         ".said || [ $n -ge 1200 ]; do sleep 0.1; n=$((n+1)); done; sleep 0.3; child=$(cat "
+         "/proc/$run/task/$run/children); " +
+         then + "; wait $run; echo $?; kill -0 $child 2>/dev/null && echo left";
+}
+
+std::string shell(const std::string& words) {
+  FILE* pipe = popen(words.c_str(), "r");
+  std::array<char, 256> buffer{};
+  const std::size_t n = fread(buffer.data(), 1, buffer.size() - 1, pipe);
+  pclose(pipe);
+  return {buffer.data(), n};
+}
+
+TEST_F(ChartCommand, EndsWithItsCommand) {
+  EXPECT_EQ(shell(script(IVORY_BINARY, path("out"), "kill -TERM $run")), "1\n");
+  EXPECT_NE(bytes_of(path("out.said")).find("ivory: interrupted"), std::string::npos) << bytes_of(path("out.said"));
+
+  // A build that changes under it.
+  fs::copy_file(IVORY_BINARY, path("ivory"));
+  EXPECT_EQ(shell(script(path("ivory"), path("other"), "touch " + path("ivory"))), "1\n");
+  EXPECT_NE(bytes_of(path("other.said")).find("was built anew"), std::string::npos) << bytes_of(path("other.said"));
 }
 
 TEST_F(ChartCommand, BadRequests) {

@@ -216,7 +216,7 @@ class Runner:
                 "version": self.version, "build": self.build, "wall_s": best.wall_s, "walls_s": [r.wall_s for r in runs],
                 "foreign": best.foreign, "foreigns": [r.foreign for r in runs], "cpu_s": best.cpu_s,
                 "seconds": seconds(best), "peak_memory_bytes": max(r.peak_memory_bytes for r in runs),
-                "result": result}
+                "complaint": best.complaint, "result": result}
 
     def result(self, step, need_output=False):
         """The step's record; runs it where there is none, or where its output is wanted and gone."""

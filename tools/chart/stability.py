@@ -21,7 +21,7 @@ def points(suite, inputs, runner):
 
         def measure(run, step=step):
             lines = run.result(step)["points"]
-            within = all(p["bound"] is None or p["error"] <= p["bound"] for p in lines)
+            within = all(p["bound"] is None or (p["error"] is not None and p["error"] <= p["bound"]) for p in lines)
             return {"points": lines, "within_bounds": within}
 
         found.append(Point("stability", name, "sweep", "all", [step], measure, name=f"stability/{name}"))
