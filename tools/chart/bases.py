@@ -104,7 +104,7 @@ def equal_memory_points(suite, inputs, runner):
     bunny = inputs.bunny_room() if suite == "full" else None
     if bunny:
         rooms["bunny's room"] = bunny
-    budgets, photons, samples = ((250_000, 1_000_000, 4_000_000, 16_000_000), "16m", "16k") if suite == "full" else ((64_000, 250_000, 1_000_000), "1m", "4k")
+    budgets, photons, samples = ((250_000, 1_000_000, 4_000_000, 16_000_000), "8m", "16k") if suite == "full" else ((64_000, 250_000, 1_000_000), "1m", "4k")
     for name, (scene, points) in rooms.items():
         scene, points = File(scene), File(points)
         info = runner.result(Step(("info", scene)))["result"]

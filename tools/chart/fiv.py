@@ -79,8 +79,8 @@ def crowd(inputs, count):
 def picture_points(suite, inputs):
     environments = inputs.environments(suite)
     full = suite == "full"
-    names = [n for n in ("sky", "drachenfels_cellar", "noon_grass") if n in environments] if full else ["sky"]
-    size, reference = ("240x180", "2k") if full else ("120x90", "1k")
+    names = [n for n in ("sky", "noon_grass") if n in environments] if full else ["sky"]
+    size, reference = ("240x180", "1k") if full else ("120x90", "1k")
     knot = File(inputs.bundled("knot.glb"))
     for name in names:
         env = ("--env", environments[name])
