@@ -173,6 +173,22 @@ CLI::Option* add_count_option(CLI::App& command, const std::string& name, std::u
   return option;
 }
 
+CLI::Option* add_count_option(CLI::App& command, const std::string& name, int& value, int least, int most,
+                              const std::string& description) {
+  return command
+      .add_option_function<std::string>(
+          name,
+          [&value, name, least, most](const std::string& text) {
+            const std::uint64_t count = parse_count(name, text);
+            if (count < std::uint64_t(least) || count > std::uint64_t(most))
+              throw UsageError(fmt::format("{}: {} is not from {} to {}", name, text, least, most));
+            value = int(count);
+          },
+          description)
+      ->type_name("COUNT")
+      ->default_str(std::to_string(value));
+}
+
 CLI::Option* add_image_size_option(CLI::App& command, const std::string& name, Imath::V2i& value,
                                    const std::string& description) {
   CLI::Option* option = command.add_option_function<std::string>(
@@ -185,7 +201,8 @@ CLI::Option* add_image_size_option(CLI::App& command, const std::string& name, I
 void check_output(const std::string& path, const CommonOptions& common) { const PendingFile probe(path, common.force); }
 
 void check_output(const std::string& path, std::string_view extension, const CommonOptions& common) {
-  if (!path.ends_with(extension)) throw UsageError(fmt::format("--output: '{}' does not end in {}", path, extension));
+  if (lower_extension(path) != extension)
+    throw UsageError(fmt::format("--output: '{}' does not end in {}", path, extension));
   check_output(path, common);
 }
 

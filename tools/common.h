@@ -60,13 +60,16 @@ std::vector<float> parse_floats(std::string_view option, std::string_view text, 
 // now is shown as the default where it is not zero or empty.
 CLI::Option* add_count_option(CLI::App& command, const std::string& name, std::uint64_t& value,
                               const std::string& description);
+// Counts from `least` to `most` only.
+CLI::Option* add_count_option(CLI::App& command, const std::string& name, int& value, int least, int most,
+                              const std::string& description);
 CLI::Option* add_image_size_option(CLI::App& command, const std::string& name, Imath::V2i& value,
                                    const std::string& description);
 
 // Fails early, before hours of work: throws Error where `path` exists and not --force, or cannot
 // be written.
 void check_output(const std::string& path, const CommonOptions& common);
-// The same for formats that go by one extension; throws UsageError for another.
+// The same for formats that go by one extension (in lower case here, in any there); throws UsageError for another.
 void check_output(const std::string& path, std::string_view extension, const CommonOptions& common);
 
 // Prints `object` on stdout with --json, otherwise `human` (whole lines; unless --quiet).

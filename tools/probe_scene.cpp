@@ -66,9 +66,7 @@ ProbeSource make_scene_source(CLI::App& command) {
       ->type_name("COUNT")
       ->group(scenes);
   add_count_option(command, "--seed", options->seed, "Seed of the random numbers")->group(scenes);
-  command.add_option("--bounces", options->bounces, "Surfaces a path may scatter at")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str()
+  add_count_option(command, "--bounces", options->bounces, 1, 1'000'000, "Surfaces a path may scatter at")
       ->group(scenes);
   ProbeSource source;
   source.name = "scenes";

@@ -138,9 +138,7 @@ void add_bench_command(CLI::App& app, CommonOptions& common) {
   tracer->add_option("SCENES", options->scenes, "glTF files to measure beside the built-in large mesh");
   tracer->add_option("--resolution", options->resolution, "Grid vertices")->capture_default_str();
   add_count_option(*tracer, "--photons", options->photons, "Photons a measurement");
-  tracer->add_option("--rounds", options->rounds, "Measurements in turn; medians are reported")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000));
+  add_count_option(*tracer, "--rounds", options->rounds, 1, 1000, "Measurements in turn; medians are reported");
   add_count_option(*tracer, "--triangles", options->triangles, "Triangles of the built-in mesh");
   tracer->footer("Example:\n  ivory bench tracer scenes/cornell_box.gltf --json");
   set_action(*tracer, common, Output::none, [options, &common] { run(*options, common); });
