@@ -19,8 +19,12 @@ namespace ivory {
 
 // What tells an occluder's shape and how it is turned, whatever its place and size: its surface area over the square
 // of the bounding radius, then first and second moments of the surface about the sphere's centre over that area, in
-// bounding radii (x, y, z, xx, yy, zz, xy, xz, yz).
-using FivShape = std::array<float, 10>;
+// bounding radii (x, y, z, xx, yy, zz, xy, xz, yz), then how far it reaches from the centre along 26 directions, in
+// bounding radii: those (x, y, z)/|(x, y, z)| with each of x, y, z -1, 0 or 1 and not all 0, x running fastest. Moments
+// alone are those of a ball for anything as even as a cube, however it is turned.
+inline constexpr std::size_t fiv_moment_count = 10;
+inline constexpr std::size_t fiv_reach_count = 26;
+using FivShape = std::array<float, fiv_moment_count + fiv_reach_count>;
 
 // [function][rgb] of Basis::vectors; a table of one hemisphere has F alone and leaves the rest zero.
 using FivMoments = std::array<float, 36>;

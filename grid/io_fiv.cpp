@@ -10,6 +10,8 @@ namespace ivory {
 namespace {
 
 const std::string remedy = "bake it with ivory bake fiv";
+// 2: the shape has reaches too.
+constexpr std::int64_t format_version = 2;
 
 std::vector<std::string> channel_names(int hemispheres) {
   const std::string axes = "xyz";
@@ -45,6 +47,7 @@ void write_fiv(const std::string& path, const FivTable& table, ExrPrecision prec
   asset.channels = channel_names(table.hemispheres);
   asset.values = table.values;
   asset.metadata = table.metadata;
+  asset.metadata["format_version"] = format_version;
   asset.metadata["azimuths"] = std::int64_t(table.size.x);
   asset.metadata["polar_angles"] = std::int64_t(table.size.y);
   asset.metadata["spheres"] = std::int64_t(table.size.z);
@@ -67,6 +70,12 @@ FivTable read_fiv(const std::string& path) {
       throw Error(path, std::string("is damaged (attribute ") + key + ")", remedy);
     return int(*value);
   };
+  if (const int version = integer("format_version"); version != format_version) {
+    throw Error(path,
+                "is an FIV table of format version " + std::to_string(version) + ", this ivory reads version " +
+                    std::to_string(format_version),
+                "bake it again with ivory bake fiv");
+  }
   FivTable table;
   table.size = {integer("azimuths"), integer("polar_angles"), integer("spheres")};
   table.hemispheres = integer("hemispheres");

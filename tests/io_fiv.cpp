@@ -80,6 +80,25 @@ TEST_P(FivFiles, TablesThatDoNotFitTogetherAreRefused) {
   expect_refused("an infinite centre", [](FivTable& t) { t.center_m.x = INFINITY; });
 }
 
+// Tables of version 1 do not tell turned crates from those baked.
+TEST_P(FivFiles, TablesOfOtherVersionsAreToBeBakedAgain) {
+  write_fiv(path("a.exr"), example(), ExrPrecision::float32, false);
+  EXPECT_EQ(read_fiv(path("a.exr")).metadata.at("format_version"), MetaValue(std::int64_t(2)));
+  ExrAsset asset = read_exr(path("a.exr"), "fiv", "");
+  for (const std::int64_t version : {1, 3}) {
+    asset.metadata["format_version"] = version;
+    asset.lists["shape"].resize(10);
+    write_exr(path("a.exr"), asset, ExrPrecision::float32, true);
+    try {
+      read_fiv(path("a.exr"));
+      ADD_FAILURE() << version;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("version " + std::to_string(version)), std::string::npos);
+      EXPECT_NE(std::string(error.what()).find("bake it again"), std::string::npos) << error.what();
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Hemispheres, FivFiles, testing::Values(1, 6));
 
 }  // namespace

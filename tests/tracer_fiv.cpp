@@ -295,32 +295,5 @@ TEST(FivInside, FindsTheInsideOfAnyClosedMesh) {
   }
 }
 
-TEST(FivOccluder, RefusesWhatHidesNothing) {
-  Scene empty;
-  empty.name = "empty";
-  EXPECT_THROW(make_fiv_occluder(empty), Error);
-}
-
-TEST(FivPlacement, FindsMovedAndScaledCopiesOnly) {
-  const FivOccluder occluder = make_fiv_occluder(bracket_scene());
-  FivTable table;
-  table.shape = occluder.shape;
-  M44f place;
-  place.setScale(0.3F);
-  place *= M44f().setTranslation(V3f(5, -2, 7));
-  const Scene moved = bracket_scene(place);
-  const auto found = find_placement(table, moved, std::vector<bool>(3, true));
-  ASSERT_TRUE(found);
-  EXPECT_NEAR(found->radius_m, 0.3F * occluder.radius_m, 1e-4F);
-  EXPECT_LT((found->center_m - (occluder.center_m * 0.3F + V3f(5, -2, 7))).length(), 1e-4F);
-
-  EXPECT_FALSE(find_placement(table, moved, {true, false, true}));
-  EXPECT_FALSE(find_placement(table, moved, {false, false, false}));
-  EXPECT_FALSE(find_placement(table, ball_scene(), {true}));
-  M44f turned;
-  turned.setEulerAngles(V3f(0, 0.02F, 0));
-  EXPECT_FALSE(find_placement(table, bracket_scene(turned), std::vector<bool>(3, true)));
-}
-
 }  // namespace
 }  // namespace ivory

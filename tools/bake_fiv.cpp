@@ -76,7 +76,6 @@ void run_bake_fiv(const BakeFivOptions& options, const CommonOptions& common) {
 
   Metadata& m = table.metadata = environment.origin;
   m["version"] = std::string(IVORY_VERSION);
-  m["format_version"] = std::int64_t(1);
   m["method"] = std::string("fiv");
   m["mesh"] = std::filesystem::path(options.mesh).filename().string();
   m["mesh_hash"] = loaded.scene.content_hash;
@@ -142,12 +141,9 @@ void add_bake_fiv_command(CLI::App& bake, CommonOptions& common) {
                    "Dim parts of the environment are merged to a cube of that many texels a face's edge")
       ->check(CLI::Range(1, 512))
       ->capture_default_str();
-  command
-      ->add_option("--parts", options->params.parts,
+  add_count_option(*command, "--parts", options->params.parts, 1, 1'000'000,
                    "Bright parts stay apart, as fine as the map is, until none carries more than 1 / PARTS of\n"
-                   "all light; 1 merges them too")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str();
+                   "all light; 1 merges them too");
   command->add_option("--farthest", options->params.farthest, "Outermost sphere, in radii of the bounding sphere")
       ->check(CLI::Range(1.5, 1000.0))
       ->capture_default_str();

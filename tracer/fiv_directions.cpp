@@ -106,6 +106,32 @@ void divide(const FaceSums& sums, const Block& block, double share, std::vector<
   }
 }
 
+// Mean radiance of each texel of a cube of `size` texels, fewer than `fine` has: texels count by the area that they
+// share on the face.
+CubeMap shrink(const CubeMap& fine, int size) {
+  // Texel i of the fine row and texel k of the coarse one overlap by this many fine texels.
+  const auto overlap = [&](int i, int k) {
+    const double low = double(k) * fine.size / size;
+    const double high = double(k + 1) * fine.size / size;
+    return std::max(0.0, std::min(double(i + 1), high) - std::max(double(i), low));
+  };
+  CubeMap out{size, std::vector<Rgb>(std::size_t(cube_faces) * std::size_t(size) * std::size_t(size), Rgb(0, 0, 0))};
+  const double area = double(fine.size) * fine.size / (double(size) * size);
+  for (int face = 0; face < cube_faces; ++face) {
+    for (int row = 0; row < fine.size; ++row) {
+      for (int column = 0; column < fine.size; ++column) {
+        const Rgb& radiance = fine.texels[cube_index(fine.size, face, row, column)];
+        // Two coarse texels at most, as they are the larger.
+        for (int r = row * size / fine.size; r < size && r * fine.size < (row + 1) * size; ++r) {
+          for (int c = column * size / fine.size; c < size && c * fine.size < (column + 1) * size; ++c)
+            out.texels[cube_index(size, face, r, c)] += radiance * float(overlap(row, r) * overlap(column, c) / area);
+        }
+      }
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
 FivDirections make_fiv_directions(const CubeMap& environment) {
@@ -125,6 +151,12 @@ FivDirections make_fiv_directions(const CubeMap& fine, int size, int parts) {
     }
   }
   return sorted_by_octant(lights);
+}
+
+FivDirections make_fiv_pilot_directions(const CubeMap& environment, int size) {
+  if (environment.size <= size) return make_fiv_directions(environment);
+  if (environment.size % size == 0) return make_fiv_directions(environment, size, 1);
+  return make_fiv_directions(shrink(environment, size));
 }
 
 SplitDirections split_bright(const FivDirections& directions, int parts) {

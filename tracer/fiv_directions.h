@@ -23,6 +23,10 @@ FivDirections make_fiv_directions(const CubeMap& environment);
 // shadows together, a dull ceiling few. A merged light comes from the centre of its block.
 FivDirections make_fiv_directions(const CubeMap& fine, int size, int parts);
 
+// At most 6 `size`^2 lights for environments of any size: merged by blocks where `size` divides the environment's,
+// otherwise resampled to `size` texels by the areas that texels share; one of fewer texels stays as it is.
+FivDirections make_fiv_pilot_directions(const CubeMap& environment, int size);
+
 // Splits off the lights that carry more than 1 / `parts` of all light each.
 struct SplitDirections {
   FivDirections bright;

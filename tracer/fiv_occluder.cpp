@@ -1,6 +1,8 @@
 #include "tracer/fiv_occluder.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "grid/error.h"
@@ -42,11 +44,17 @@ void find_bounding_sphere(const std::vector<V3d>& points, V3d& center, double& r
   center = best;
 }
 
-// Three corners a triangle of the instances marked in `is_part`, all where that is empty.
+// A ball of light is no occluder: it shines by itself.
+bool is_light(const Scene& scene, std::size_t instance) {
+  return std::any_of(scene.sphere_lights.begin(), scene.sphere_lights.end(),
+                     [&](const SphereLight& light) { return light.instance == int(instance); });
+}
+
+// Three corners a triangle of the instances marked in `is_part`, all where that is empty; balls of light left out.
 std::vector<V3d> world_points(const Scene& scene, const std::vector<bool>& is_part) {
   std::vector<V3d> points;
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
-    if (!is_part.empty() && !is_part[i]) continue;
+    if ((!is_part.empty() && !is_part[i]) || is_light(scene, i)) continue;
     const Instance& instance = scene.instances[i];
     const Imath::M44d m(instance.to_world);
     const Mesh& mesh = scene.meshes[std::size_t(instance.mesh)];
@@ -57,8 +65,10 @@ std::vector<V3d> world_points(const Scene& scene, const std::vector<bool>& is_pa
   return points;
 }
 
-// `points`: three corners a triangle.
-FivShape shape_of(const std::vector<V3d>& points, const V3d& center, double radius) {
+using SurfaceMoments = std::array<float, fiv_moment_count>;
+
+// The first numbers of a FivShape. `points`: three corners a triangle.
+SurfaceMoments moments_of(const std::vector<V3d>& points, const V3d& center, double radius) {
   std::array<double, 10> sums{};
   for (std::size_t i = 0; i < points.size(); i += 3) {
     const V3d a = (points[i] - center) / radius;
@@ -66,21 +76,41 @@ FivShape shape_of(const std::vector<V3d>& points, const V3d& center, double radi
     const V3d c = (points[i + 2] - center) / radius;
     const double area = 0.5 * (b - a).cross(c - a).length();
     const V3d middle = (a + b + c) / 3;
-    const double products[10] = {1,
-                                 middle.x,
-                                 middle.y,
-                                 middle.z,
-                                 middle.x * middle.x,
-                                 middle.y * middle.y,
-                                 middle.z * middle.z,
-                                 middle.x * middle.y,
-                                 middle.x * middle.z,
-                                 middle.y * middle.z};
+    // Exact over the triangle, so that it does not matter how a face is cut into triangles.
+    const auto second = [&](unsigned u, unsigned v) {
+      return (9 * middle[u] * middle[v] + a[u] * a[v] + b[u] * b[v] + c[u] * c[v]) / 12;
+    };
+    const double products[10] = {
+        1,           middle.x, middle.y, middle.z, second(0, 0), second(1, 1), second(2, 2), second(0, 1), second(0, 2),
+        second(1, 2)};
     for (std::size_t k = 0; k < 10; ++k) sums[k] += area * products[k];
   }
+  SurfaceMoments moments{};
+  moments[0] = float(sums[0]);
+  for (std::size_t k = 1; k < 10; ++k) moments[k] = sums[0] > 0 ? float(sums[k] / sums[0]) : 0.0F;
+  return moments;
+}
+
+FivShape shape_of(const std::vector<V3d>& points, const V3d& center, double radius) {
+  std::array<V3d, fiv_reach_count> directions;
+  std::size_t count = 0;
+  for (int z = -1; z <= 1; ++z) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int x = -1; x <= 1; ++x) {
+        if (x != 0 || y != 0 || z != 0) directions[count++] = V3d(x, y, z).normalized();
+      }
+    }
+  }
+  std::array<double, fiv_reach_count> reach;
+  reach.fill(-std::numeric_limits<double>::infinity());
+  for (const V3d& point : points) {
+    const V3d p = (point - center) / radius;
+    for (std::size_t k = 0; k < fiv_reach_count; ++k) reach[k] = std::max(reach[k], p.dot(directions[k]));
+  }
   FivShape shape{};
-  shape[0] = float(sums[0]);
-  for (std::size_t k = 1; k < 10; ++k) shape[k] = sums[0] > 0 ? float(sums[k] / sums[0]) : 0.0F;
+  const SurfaceMoments moments = moments_of(points, center, radius);
+  std::copy(moments.begin(), moments.end(), shape.begin());
+  for (std::size_t k = 0; k < fiv_reach_count; ++k) shape[fiv_moment_count + k] = float(reach[k]);
   return shape;
 }
 
@@ -96,6 +126,11 @@ FivOccluder make_fiv_occluder(const Scene& scene) {
   FivOccluder out;
   out.scene = scene;
   out.scene.lights.clear();
+  out.scene.instances.clear();
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    if (!is_light(scene, i)) out.scene.instances.push_back(scene.instances[i]);
+  }
+  out.scene.sphere_lights.clear();
   out.scene.environment.reset();
   out.center_m = V3f(center);
   out.shape = shape_of(points, center, radius);
@@ -117,13 +152,14 @@ std::optional<FivPlacement> find_placement(const FivTable& table, const Scene& s
   if (points.empty()) return std::nullopt;
   // About any centre and radius: the first of the moments then gives those that the table's numbers belong to.
   const V3d any = points.front();
-  const FivShape moved = shape_of(points, any, 1);
+  const SurfaceMoments moved = moments_of(points, any, 1);
   const double radius = std::sqrt(double(moved[0]) / double(table.shape[0]));
   const V3d centroid = any + V3d(double(moved[1]), double(moved[2]), double(moved[3]));
   const V3d center = centroid - V3d(V3f(table.shape[1], table.shape[2], table.shape[3])) * radius;
   if (!(radius > 0) || !std::isfinite(radius)) return std::nullopt;
   const FivShape shape = shape_of(points, center, radius);
-  // Moments in bounding radii of one mesh stored twice differ by rounding; meshes turned by a degree by more.
+  // Moments and reaches in bounding radii of one mesh stored twice differ by rounding; of meshes turned by a degree by
+  // more, unless turning leaves them as they were.
   constexpr float tolerance = 1e-3F;
   for (std::size_t k = 1; k < shape.size(); ++k) {
     if (!(std::abs(shape[k] - table.shape[k]) < tolerance)) return std::nullopt;

@@ -27,8 +27,7 @@ constexpr double even_share = 0.15;
 
 std::vector<float> fiv_radii(const FivOccluder& occluder, const CubeMap& environment, const FivParams& params) {
   const Intersector object(occluder.scene);
-  const int merged = environment.size % pilot_environment == 0 ? pilot_environment : environment.size;
-  const FivDirections directions = make_fiv_directions(environment, merged, 1);
+  const FivDirections directions = make_fiv_pilot_directions(environment, pilot_environment);
   std::vector<float> pilot;
   const double step = std::log(double(params.farthest) / double(nearest)) / (pilot_spheres - 1);
   for (int k = 0; k < pilot_spheres; ++k) pilot.push_back(float(double(nearest) * std::exp(step * k)));

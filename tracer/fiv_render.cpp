@@ -1,5 +1,6 @@
 #include "tracer/fiv_render.h"
 
+#include "tracer/bsdf.h"
 #include "tracer/surface.h"
 
 namespace ivory {
@@ -12,7 +13,7 @@ Film render_fiv(const FivScene& scene, const Intersector& intersector, const Lig
     const Surface surface = make_surface(intersector.scene(), ray, *hit);
     const int self = scene.occluder_of[std::size_t(hit->instance)];
     const Rgb e = fiv_irradiance(scene.occluders, surface.p, surface.ns, self, scene.unshadowed(surface.ns), params);
-    return surface.emission + surface.diffuse_albedo * e * (1 / pi);
+    return surface.emission + diffuse_reflectance(make_bsdf(surface), -ray.direction) * e * (1 / pi);
   });
 }
 

@@ -16,9 +16,9 @@ struct FivScene {
   std::function<Rgb(const V3f& n)> unshadowed;  // E(n) of the environment in lux
 };
 
-// Every surface seen reflects E / pi by its diffuse albedo; occluders shadow all others and themselves, nothing else
-// casts shadows, and microfacet lobes are left out. What shines by itself and the environment behind are seen as
-// they are. Needs no rays but the eye's.
+// Every surface seen reflects E / pi by diffuse_reflectance() (bsdf.h); occluders shadow all others and themselves,
+// nothing else casts shadows, and microfacet lobes are left out. What shines by itself and the environment behind are
+// seen as they are. Needs no rays but the eye's.
 Film render_fiv(const FivScene& scene, const Intersector& intersector, const Lights& lights, const View& view,
                 const RenderParams& render, const FivLightParams& params);
 

@@ -150,8 +150,10 @@ class Placer {
     if (!visible) return;
     if (const json* light = find_extension(source, "KHR_lights_punctual"))
       add_light(index, (*light)["light"].get<std::size_t>(), world);
-    if (const std::optional<SphereLight> light = read_sphere_light(document_, index, to_float(world)))
+    if (const std::optional<SphereLight> light = read_sphere_light(document_, index, to_float(world))) {
       add_sphere_light(scene_, *light, document_.path);
+      scene_.instances.back().node = int(index);
+    }
     if (node.mesh < 0) return;
     if (const json* instancing = find_extension(source, "EXT_mesh_gpu_instancing")) {
       for (const M44d& local : instance_matrices(index, *instancing))
