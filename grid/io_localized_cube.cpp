@@ -59,6 +59,12 @@ LocalizedCube read_localized_cube(const std::string& path) {
   if (asset.channels != channels || asset.height != cube_faces * asset.width || position == asset.lists.end() ||
       position->second.size() != 3)
     throw Error(path, "is damaged", remedy);
+  if (asset.width > largest_localized_size) {
+    throw Error(path,
+                "has " + std::to_string(asset.width) + " texels along an edge, more than the " +
+                    std::to_string(largest_localized_size) + " that a localized cube map may have",
+                remedy);
+  }
   LocalizedCube cube;
   cube.origin_m = V3f(position->second[0], position->second[1], position->second[2]);
   cube.metadata = asset.metadata;

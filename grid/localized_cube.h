@@ -34,6 +34,8 @@ struct LocalizedCube {
 // Ranges of what a cube map holds: nearer corners count as this near, brighter texels are refused.
 inline constexpr float least_depth_m = 1e-6F;
 inline constexpr float greatest_radiance_nits = 1e30F;
+// Texels along an edge: each look-up runs over all of them, so cube maps are small.
+inline constexpr int largest_localized_size = 64;
 
 enum class CubeMethod {
   convolved,      // distances ignored: E(origin, n), whatever p

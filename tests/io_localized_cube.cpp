@@ -99,6 +99,11 @@ TEST(LocalizedCubeFile, RefusesOthers) {
   write_changed([](ExrAsset& a) { a.values[0] = -1; });
   EXPECT_THROW(read_localized_cube(path), Error);
 
+  write_localized_cube(path, any_cube(largest_localized_size), true);
+  EXPECT_NO_THROW(read_localized_cube(path));
+  write_localized_cube(path, any_cube(largest_localized_size + 1), true);
+  EXPECT_THROW(read_localized_cube(path), Error);
+
   write_localized_cube(path, any_cube(2), true);
   EXPECT_THROW(write_localized_cube(path, any_cube(2), false), Error);
   std::string bytes;

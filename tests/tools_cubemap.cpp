@@ -117,6 +117,27 @@ TEST_F(CubemapCommand, ObjectsAreFilesOrNodes) {
   run("render " + knot + " --size 24x18 --samples 4 --object " + object + "@0,2,0 -o " + path("c.exr"));
 }
 
+// A ball of light goes where its node goes.
+TEST_F(CubemapCommand, LeavesBallsOfLightOutWithTheirNode) {
+  GltfBuilder gltf;
+  const int floor =
+      gltf.add_mesh({{"attributes", {{"POSITION", gltf.add(std::vector<V3f>{{-9, -2, -9}, {0, -2, 9}, {9, -2, -9}})}}},
+                     {"material", 0}});
+  gltf.root["materials"].push_back({{"emissiveFactor", {1, 1, 1}}});
+  gltf.add_node({{"name", "floor"}, {"mesh", floor}});
+  gltf.add_node({{"name", "lamp"},
+                 {"translation", {0, 1, 0}},
+                 {"extras", {{"ivory_sphere_light", {{"radius", 0.25}, {"radiance", {9, 9, 9}}}}}}});
+  const std::string room = gltf.write("cubemap_lamp");
+  const std::string bake = "bake cubemap " + room + " --at 0,0,0 --capture 32 --samples 1 -o ";
+  EXPECT_NEAR(run(bake + path("with.exr")).at("nearest_m").get<double>(), 0.75, 0.01);
+  EXPECT_NEAR(run(bake + path("without.exr") + " --without lamp").at("nearest_m").get<double>(), 2, 0.01);
+  EXPECT_EQ(run("render " + room + " --size 8x8 --samples 1 --method cubemap --object lamp --cubemap " +
+                path("without.exr") + " -o " + path("r.exr"))
+                .at("objects"),
+            "lamp");
+}
+
 TEST_F(CubemapCommand, BadRequestsEndInOneLine) {
   const std::string furnace = scene("furnace_box.gltf");
   const std::string bake = "bake cubemap " + furnace + " --capture 16 --samples 1 -q --force -o " + path("x.exr");
@@ -128,6 +149,7 @@ TEST_F(CubemapCommand, BadRequestsEndInOneLine) {
   expect_one_line(bake + " --at 0,0,0 --size 3", 2, "does not divide");
   expect_one_line(bake + " --at 0,0,0 --size 32", 2, "does not divide");
   expect_one_line(bake + " --at 0,0,0 --size 0", 2, "--size");
+  expect_one_line(bake + " --at 0,0,0 --size 128 --capture 128", 2, "--size");
   expect_one_line(bake + " --at 0,0", 2, "--at");
   expect_one_line(bake + " --at 0,nan,0", 2, "--at");
   expect_one_line(bake, 2, "--at");

@@ -79,7 +79,7 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& co
   std::optional<IrradianceGrid> grid;
   GridLight light;
   if (!options.grid->grid.empty()) {
-    grid = load_grid(*options.grid, input->scene, common);
+    grid = load_grid(*options.grid, *input, common);
     light = grid_light(*options.grid, *grid);
     params.grid = &light;
   }
@@ -153,14 +153,12 @@ void add_bake_cubemap_command(CLI::App& bake, CommonOptions& common) {
       ->required()
       ->type_name("X,Y,Z");
   command->add_option("--size", options->size, "Texels along an edge of the six faces; divides --capture")
-      ->check(CLI::Range(1, 4096))
+      ->check(CLI::Range(1, largest_localized_size))
       ->capture_default_str();
   command->add_option("--capture", options->capture, "Texels along an edge while capturing")
       ->check(CLI::Range(1, 4096))
       ->capture_default_str();
-  command->add_option("--samples", options->samples, "Paths a captured texel")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str();
+  add_count_option(*command, "--samples", options->samples, 1, 1'000'000, "Paths a captured texel");
   add_count_option(*command, "--seed", options->seed, "Seed of the random numbers");
   add_environment_options(*command, options->environment);
   command

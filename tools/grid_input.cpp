@@ -28,7 +28,7 @@ const std::vector<std::string>& grid_option_names() {
   return names;
 }
 
-IrradianceGrid load_grid(const GridInputOptions& options, const Scene& scene, const CommonOptions& common) {
+IrradianceGrid load_grid(const GridInputOptions& options, const SceneInput& input, const CommonOptions& common) {
   IrradianceGrid grid = read_grid_vdb(options.grid);
   const auto text = [&](const char* key) {
     const auto found = grid.metadata.find(key);
@@ -39,7 +39,8 @@ IrradianceGrid load_grid(const GridInputOptions& options, const Scene& scene, co
     throw Error(options.grid, "holds direct light, which rendering would count twice", "bake it without --direct");
   if (options.guard == "planes" && grid.guard.empty())
     throw Error(options.grid, "stores no guard planes", "bake it with --guard planes, or render with --guard rays");
-  if (!text("scene_hash").empty() && text("scene_hash") != scene.content_hash)
+  check_environment(options.grid, grid.metadata, input);
+  if (!text("scene_hash").empty() && text("scene_hash") != input.scene.content_hash)
     print_note(common, fmt::format("note: {} was baked from another scene ({})", options.grid, text("scene")));
   if (options.reconstruction == "paper" && grid.basis != Basis::vectors)
     throw UsageError(

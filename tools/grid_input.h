@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "tools/common.h"
+#include "tools/scene_input.h"
 #include "tracer/final_gather.h"
-#include "tracer/scene.h"
 
 namespace ivory {
 
@@ -23,9 +23,9 @@ std::shared_ptr<GridInputOptions> add_grid_options(CLI::App& command, const std:
 // Their names.
 const std::vector<std::string>& grid_option_names();
 
-// A grid of indirect light that has what the guard needs. Throws Error and UsageError for another; notes where
-// it was baked from another scene.
-IrradianceGrid load_grid(const GridInputOptions& options, const Scene& scene, const CommonOptions& common);
+// A grid of indirect light that has what the guard needs and was baked under the input's environment. Throws Error and
+// UsageError for another; notes where it was baked from another scene.
+IrradianceGrid load_grid(const GridInputOptions& options, const SceneInput& input, const CommonOptions& common);
 // How the options read it; `grid` must outlive the answer.
 GridLight grid_light(const GridInputOptions& options, const IrradianceGrid& grid);
 

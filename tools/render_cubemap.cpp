@@ -24,6 +24,7 @@ struct CubemapOptions {
 Film render_cubemap(const CubemapOptions& options, const RenderRequest& request) {
   const CommonOptions& common = request.common;
   const LocalizedCube cube = read_localized_cube(options.path);
+  check_environment(options.path, cube.metadata, request.input);
   const auto baked = cube.metadata.find("scene_hash");
   if (baked != cube.metadata.end() && baked->second != MetaValue(request.input.scene.content_hash))
     print_note(common, fmt::format("note: {} was baked from another scene", options.path));
@@ -32,7 +33,7 @@ Film render_cubemap(const CubemapOptions& options, const RenderRequest& request)
   std::optional<IrradianceGrid> grid;
   GridLight light;
   if (!options.grid->grid.empty()) {
-    grid = load_grid(*options.grid, request.input.scene, common);
+    grid = load_grid(*options.grid, request.input, common);
     light = grid_light(*options.grid, *grid);
     params.grid = &light;
   }

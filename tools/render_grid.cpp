@@ -19,7 +19,7 @@ struct GatherOptions {
 };
 
 Film render_grid(const GatherOptions& options, bool gather, const RenderRequest& request) {
-  const IrradianceGrid grid = load_grid(*options.grid, request.input.scene, request.common);
+  const IrradianceGrid grid = load_grid(*options.grid, request.input, request.common);
   GatherParams params;
   params.gather_rays = gather ? int_count("--gather", *options.gather, 1) : 0;
   params.indirect_only = request.indirect_only;

@@ -16,11 +16,17 @@ bool is_scene_name(const std::string& path) {
 void check_environment(const std::string& path, const Metadata& metadata, const SceneInput& input) {
   const auto baked = metadata.find("environment_hash");
   const auto given = input.origin.find("environment_hash");
-  if (baked != metadata.end() && given != input.origin.end() && baked->second == given->second) return;
+  const bool lit = given != input.origin.end();
+  if (baked == metadata.end()) {
+    if (lit) throw Error(path, "was baked without an environment map", "leave out --env, or bake it with the same");
+    return;
+  }
+  if (lit && baked->second == given->second) return;
   const auto name = metadata.find("environment");
   const auto* text = name == metadata.end() ? nullptr : std::get_if<std::string>(&name->second);
-  throw Error(path, "was baked for another environment (" + (text == nullptr ? "unknown" : *text) + ")",
-              "bake it for the one given by --env");
+  const std::string known = text == nullptr ? "unknown" : *text;
+  if (lit) throw Error(path, "was baked for another environment (" + known + ")", "bake it for the one given by --env");
+  throw Error(path, "was baked for an environment (" + known + ")", "give that by --env, or bake it without");
 }
 
 std::unique_ptr<SceneInput> load_scene_input(const std::string& path, const EnvironmentChoice& environment,

@@ -28,7 +28,8 @@ struct SceneInput {
 // True for the names that load as scenes: .gltf and .glb, in any case.
 bool is_scene_name(const std::string& path);
 
-// Throws Error where `path`, an asset with that metadata, was baked for another environment than `input` has.
+// Throws Error where `path`, an asset with that metadata, was baked for another environment than `input` has; none is
+// an environment like any other.
 void check_environment(const std::string& path, const Metadata& metadata, const SceneInput& input);
 
 // Loads `path` and, unless its path is empty, the environment map, resampled to lat-long where it has another
