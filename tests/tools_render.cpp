@@ -92,6 +92,10 @@ TEST_F(RenderCommand, BadRequestsEndInOneLine) {
            Case{"render " + room + out + " --method direct", 2},
            Case{"render " + room + out + " --method nonsense", 2},
            Case{"render " + room + out + " --samples 0", 2},
+           // Found before the scene is read.
+           Case{"render " + path("missing.gltf") + out + " --samples 0", 2},
+           Case{"render " + path("missing.gltf") + out + " --method lobes --indirect-only", 2},
+           Case{"render " + path("missing.gltf") + out + " --method fiv --indirect-only --env " + path("no.hdr"), 2},
            Case{"render " + room + out + " --method photonmap --neighbours 1", 2},
            Case{"render " + room + out + " --method photonmap --photons 0", 2},
            Case{"render " + room + out + " --method photonmap --photons 4000g", 1},
@@ -103,6 +107,8 @@ TEST_F(RenderCommand, BadRequestsEndInOneLine) {
            Case{"render " + room + out + " --env " + path("missing.hdr"), 1},
            Case{"render " + path("missing.gltf") + out, 1},
            Case{"render " + room + " -o " + path("there.exr"), 1},
+           Case{"render " + room + out + out, 2},
+           Case{"render " + room + out + " -o " + path("./x.exr"), 2},
            Case{"render " + room + " -o " + path("x.nonsense") + " --size 4096x4096 --samples 1000", 1},
 
            Case{"compare " + path("there.exr") + " " + path("other.exr"), 1},
@@ -115,6 +121,14 @@ TEST_F(RenderCommand, BadRequestsEndInOneLine) {
   }
 }
 
+TEST_F(RenderCommand, StoresCameraAndBallsOfLight) {
+  const nlohmann::json result =
+      run("render " + scene("cornell_box.gltf") + " --size 8x8 --samples 1 --camera 0 -o " + path("a.exr") +
+          " --sphere-light 0,0.5,0,0.1,1,2,3 --sphere-light 0,0.6,0,0.1,1,2,3");
+  EXPECT_EQ(result.at("camera"), "0");
+  EXPECT_EQ(result.at("sphere_lights"), "0,0.5,0,0.1,1,2,3 0,0.6,0,0.1,1,2,3");
+}
+
 TEST_F(RenderCommand, SaysWhatItIgnores) {
   const std::string command = "render " + scene("cornell_box.gltf") + " --size 8x8 --samples 1 -o " + path("a.exr") +
                               " --gather 4 --exposure 1";
@@ -123,6 +137,37 @@ TEST_F(RenderCommand, SaysWhatItIgnores) {
   EXPECT_NE(run.output.find("--gather is ignored"), std::string::npos) << run.output;
   EXPECT_NE(run.output.find("--exposure is ignored"), std::string::npos) << run.output;
   EXPECT_EQ(run_ivory(command + " --force --quiet").output, "");
+}
+
+// A sky is a light like any other: indirect light of one under another is wrong everywhere.
+TEST_F(RenderCommand, RefusesAssetsOfOtherEnvironments) {
+  const std::string furnace = scene("furnace_box.gltf");
+  for (const char* name : {"one.hdr", "two.hdr"}) {
+    std::ofstream file(path(name), std::ios::binary);
+    file << "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 8\n";
+    for (int i = 0; i < 32; ++i) file << char(128) << char(128) << char(name[0]) << char(129);
+  }
+  const std::string one = " --env " + path("one.hdr");
+  const std::string two = " --env " + path("two.hdr");
+  run("bake grid " + furnace + one + " -o " + path("lit.vdb") + " --resolution 3 --photons 10k");
+  run("bake grid " + furnace + " -o " + path("bare.vdb") + " --resolution 3 --photons 10k");
+  const std::string render = "render " + furnace + " -q --size 8x8 --samples 1 -o " + path("x.exr") + " --method ";
+  const std::string lit = "direct --grid " + path("lit.vdb");
+  const std::string bare = "direct --grid " + path("bare.vdb");
+  expect_one_line(render + lit + two, 1, "another environment (one.hdr)");
+  expect_one_line(render + lit, 1, "--env");
+  expect_one_line(render + bare + one, 1, "without an environment");
+  run(render + lit + one + " --force");
+  run(render + bare + " --force");
+
+  run("bake cubemap " + furnace + one + " --at 0,0,0 --capture 16 --samples 1 --grid " + path("lit.vdb") + " -o " +
+      path("lit.exr"));
+  expect_one_line("bake cubemap " + furnace + two + " --at 0,0,0 -q --grid " + path("lit.vdb") + " -o " + path("y.exr"),
+                  1, "another environment");
+  const std::string cubemap = "cubemap --object " + scene("knot.glb") + " --cubemap " + path("lit.exr");
+  expect_one_line(render + cubemap + two, 1, "another environment");
+  expect_one_line(render + cubemap, 1, "--env");
+  run(render + cubemap + one + " --force");
 }
 
 TEST_F(RenderCommand, RefusesAGridWithDirectLight) {

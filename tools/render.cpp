@@ -1,10 +1,12 @@
 // ivory render: a picture by any of the methods.
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -33,6 +35,7 @@ struct RenderOptions {
   EnvironmentChoice environment;
   std::string camera;
   std::vector<SphereLight> sphere_lights;
+  std::vector<std::string> sphere_light_texts;
   std::uint64_t samples = 64;
   std::uint64_t seed = 1;
   Imath::V2i size{640, 480};
@@ -73,6 +76,9 @@ Metadata describe(const RenderOptions& options, const RenderMethod& method, cons
   m["light"] = std::string(options.indirect_only ? "indirect" : "all");
   m["units"] = std::string("nits");
   if (!options.objects.empty()) m["objects"] = fmt::format("{}", fmt::join(options.objects, " "));
+  if (!options.camera.empty()) m["camera"] = options.camera;
+  if (!options.sphere_lights.empty())
+    m["sphere_lights"] = fmt::format("{}", fmt::join(options.sphere_light_texts, " "));
   method.describe(m);
   return m;
 }
@@ -108,10 +114,16 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
     throw UsageError("--method " + options.method + " cannot leave out direct light: --indirect-only serves others");
   if (method.needs_environment && options.environment.path.empty())
     throw UsageError("--method " + options.method + " lights by an environment: give --env");
+  if (method.direct_only && options.indirect_only)
+    throw UsageError("--method " + options.method + " renders direct light: --indirect-only leaves nothing");
+  int_count("--samples", options.samples, 1);
   if (method.check) method.check();
+  std::set<std::filesystem::path> files;
   for (const std::string& output : options.outputs) {
     check_output(output, common);
     check_image_name(output);
+    if (!files.insert(std::filesystem::weakly_canonical(std::filesystem::absolute(output))).second)
+      throw UsageError("--output: " + output + " is given twice");
   }
   std::vector<bool> is_object;
   const auto input = load_scene_input(options.scene, options.environment, common, [&](Scene& scene) {
@@ -204,6 +216,7 @@ void add_render_command(CLI::App& app, CommonOptions& common) {
             for (const std::string& text : texts) {
               const std::vector<float> v = parse_floats("--sphere-light", text, 7, "X,Y,Z,RADIUS,R,G,B");
               options->sphere_lights.push_back({V3f(v[0], v[1], v[2]), v[3], Rgb(v[4], v[5], v[6])});
+              options->sphere_light_texts.push_back(text);
             }
           },
           "Adds a ball of light: place and radius in metres, radiance in nits; may be repeated")

@@ -132,13 +132,11 @@ RenderMethod make_fiv_method(CLI::App& command) {
   method.summary = "diffuse light of --env, shadowed by --occluder tables";
   method.options = {"--occluder", "--ambient", "--overlap", "--straddling"};
   method.needs_environment = true;
+  method.direct_only = true;
   method.check = [options] {
     for (const std::string& text : options->occluders) parse_occluder(text);
   };
-  method.render = [options](const RenderRequest& request) {
-    if (request.indirect_only) throw UsageError("--method fiv renders direct light: --indirect-only leaves nothing");
-    return render(*options, request);
-  };
+  method.render = [options](const RenderRequest& request) { return render(*options, request); };
   method.describe = [options](Metadata& m) {
     m["overlap"] = options->overlap;
     m["straddling"] = options->straddling;

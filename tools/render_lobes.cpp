@@ -23,9 +23,10 @@ struct LobeOptions {
   LobeParams params;
 };
 
-// "FILE" or "FILE@X,Y,Z".
+// "FILE.json" or "FILE.json@X,Y,Z": an @ before the extension belongs to the name.
 std::vector<Sphere> load_placed(const std::string& text) {
-  const std::size_t at = text.find_last_of('@');
+  const bool moved = !text.ends_with(".json");
+  const std::size_t at = moved ? text.find_last_of('@') : std::string::npos;
   V3f offset(0, 0, 0);
   if (at != std::string::npos) offset = parse_vector3("--spheres", std::string_view(text).substr(at + 1));
   std::vector<Sphere> spheres = read_spheres(text.substr(0, at)).spheres;
@@ -105,16 +106,14 @@ RenderMethod make_lobes_method(CLI::App& command) {
   method.summary = "direct light of spherical lights by cosine lobes";
   method.options = {"--lobes",      "--spheres", "--shadows",   "--shadow-rays",
                     "--mask-depth", "--mask",    "--threshold", "--split"};
+  method.direct_only = true;
   method.check = [options] {
     params_of(*options);
     if (options->shadows != "mesh" && options->shadows != "none") {
       for (const std::string& text : options->sphere_sets) load_placed(text);
     }
   };
-  method.render = [options](const RenderRequest& request) {
-    if (request.indirect_only) throw UsageError("--method lobes renders direct light: --indirect-only leaves nothing");
-    return render(*options, request);
-  };
+  method.render = [options](const RenderRequest& request) { return render(*options, request); };
   method.describe = [options](Metadata& m) {
     m["shadows"] = options->shadows;
     m["mask_depth"] = std::int64_t(options->params.mask_depth);

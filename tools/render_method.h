@@ -31,6 +31,7 @@ struct RenderMethod {
   std::vector<std::string> options;  // that it reads and not every method does: "--grid"
   bool uses_objects = false;       // does --object change how it renders? Otherwise objects are just part of the scene
   bool needs_environment = false;  // is --env a must?
+  bool direct_only = false;        // does it leave out all indirect light?
   std::function<void()> check;     // throws UsageError for what its options lack; runs before the scene is loaded
   std::function<void(Scene&)> extend;  // adds to the loaded scene before anything is built from it; may be empty
   std::function<Film(const RenderRequest&)> render;
