@@ -43,7 +43,7 @@ struct GridSums {
   std::vector<GuardRecord> guard;
   std::uint64_t photon_begin = 0;  // half-open range of photon indices traced so far
   std::uint64_t photon_end = 0;
-  // Integer totals over the photons traced ("ledger_emitted", "segments", ...), added up by merge().
+  // Integer totals over the photons traced ("ledger_emitted", "photons_traced", ...), added up by merge().
   std::map<std::string, std::int64_t> counters;
   Metadata metadata;
 };

@@ -56,8 +56,8 @@ TEST(Merge, RefusesPartsOfOtherBakes) {
       {"estimator", [](GridSums& s) { s.estimator = Estimator::face; }},
       {"placement", [](GridSums& s) { s.frame.origin_m.x += 1; }},
       {"fixed-point", [](GridSums& s) { s.quantum *= 2; }},
-      {"visibility", [](GridSums& s) { s.visible_fraction[0] = 0.123F; }},
-      {"visibility", [](GridSums& s) { s.guard.clear(); }},
+      {"one kind of CPU", [](GridSums& s) { s.visible_fraction[0] = 0.123F; }},
+      {"one kind of CPU", [](GridSums& s) { s.guard.clear(); }},
   };
   for (const auto& [what, change] : changes) {
     GridSums other = part(10, 20, 1);

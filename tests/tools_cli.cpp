@@ -143,6 +143,15 @@ TEST(Cli, UsageErrorsExitWith2) {
                             "--estimator none",
                             "--guard none",
                             "--bounces 0",
+                            "--bounces 2m",
+                            "--photons 0",
+                            "--bounds 0,0,0",
+                            "--bounds 0,0,0:1,1",
+                            "--bounds 0,0,0:1,0,1",
+                            "--bounds -3e38,0,0:3e38,1,1",
+                            "--rotate-y nan",
+                            "--rotate-y 1000",
+                            "--dynamic none --dynamic 0,0,0:1,1,1",
                             "--seed -1",
                             "--estimator face --basis sh9",
                             "--photons 100 --photon-range 50:101"})
@@ -159,6 +168,60 @@ TEST(Cli, CountsTakeSuffixes) {
     ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_EQ(Json::parse(outcome.out)["photons"], count) << text;
   }
+}
+
+TEST(Cli, EveryCountTakesSuffixes) {
+  const auto folder = scratch_folder("suffixes");
+  const Outcome grid = ivory(folder, small_bake + "-o x.vdb --json --bounces 0.004k");
+  ASSERT_EQ(grid.exit_code, 0) << grid.err;
+  EXPECT_EQ(Json::parse(grid.out)["parameters"]["max_bounces"], 4);
+  write_file(folder / "p.csv", "x,y,z,nx,ny,nz\n0,1,0,0,1,0\n");
+  for (const std::string& command :
+       {small_bake + "-o y.VDB", "probe " + scene + " --points p.csv -o b.csv --samples 4 --bounces 1k",
+        "bake cubemap " + scene + " --at 0,1,0 --capture 4 --samples 0.01k -o c.exr"}) {
+    const Outcome outcome = ivory(folder, command + " -q");
+    EXPECT_EQ(outcome.exit_code, 0) << command << outcome.err;
+  }
+}
+
+// One box each time: what follows is not swallowed.
+TEST(Cli, DynamicTakesOneBox) {
+  const auto folder = scratch_folder("dynamic");
+  const std::string tail = " " + scene + " -q -f --json --resolution 8 --photons 20k -o x.vdb";
+  const auto stored = [&](const std::string& options) {
+    const Outcome outcome = ivory(folder, "bake grid " + options + tail);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.exit_code == 0 ? Json::parse(outcome.out)["parameters"]["dynamic_regions"] : Json();
+  };
+  EXPECT_EQ(stored("--dynamic none"), "none");
+  EXPECT_EQ(stored("--dynamic 0,0,0:0.5,1,1"), "0,0,0:0.5,1,1");
+  EXPECT_EQ(stored("--dynamic 0,0,0:0.5,1,1 --dynamic -1,0,0:0,2,2"), "0,0,0:0.5,1,1 -1,0,0:0,2,2");
+  EXPECT_EQ(stored(""), "everywhere");
+}
+
+TEST(Cli, GridsArePlacedByHand) {
+  const auto folder = scratch_folder("bounds");
+  const Outcome outcome = ivory(
+      folder, "bake grid " + scene +
+                  " --bounds 0.2,0.1,0:-0.6,0.9,0.4 --rotate-y 90 --resolution 4 --photons 20k -o x.vdb -q --json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json result = Json::parse(outcome.out);
+  // Turned by a quarter about (-0.2, 0.5, 0.2): local x is world -z, local z is world x.
+  const double origin[3] = {-0.2 - 0.15, 0.5 - 0.3, 0.2 + 0.3};
+  const double spacing[3] = {0.2, 0.2, 0.1};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(result["origin_m"][i].get<double>(), origin[i], 1e-6);
+    EXPECT_NEAR(result["spacing_m"][i].get<double>(), spacing[i], 1e-6);
+  }
+  EXPECT_EQ(result["parameters"]["bounds"], "-0.6,0.1,0:0.2,0.9,0.4");
+  EXPECT_EQ(result["parameters"]["rotate_y_deg"], 90);
+  // Inside; half a voxel beyond the box's turned side; far away.
+  write_file(folder / "p.csv",
+             "x,y,z,nx,ny,nz\n-0.2,0.5,0.2,0,1,0\n-0.2,0.5,0.55,0,1,0\n0.1,0.5,0.2,0,1,0\n900,0,0,0,1,0\n");
+  const Outcome probe = ivory(folder, "probe x.vdb --points p.csv -o e.csv --json");
+  ASSERT_EQ(probe.exit_code, 0) << probe.err;
+  EXPECT_EQ(Json::parse(probe.out)["outside"], 2);
+  EXPECT_NE(probe.err.find("nearest vertices"), std::string::npos) << probe.err;
 }
 
 TEST(Cli, BadInputExitsWith1AndLeavesNothing) {
@@ -256,6 +319,11 @@ TEST(Cli, MergeRefusesPartsThatDoNotFit) {
   part("gap.vdb", "--photon-range 5001:20000");
   part("seed.vdb", "--photon-range 5000:20000 --seed 2");
   part("whole.vdb", "");
+  // Both guards are baked alike.
+  part("rays.vdb", "--photon-range 5000:20000 --guard rays");
+  part("planes.vdb", "--photon-range 0:5000 --guard planes");
+  EXPECT_EQ(ivory(folder, "merge rays.vdb planes.vdb -o guards.vdb -q").exit_code, 0);
+  EXPECT_EQ(read_file(folder / "guards.vdb"), read_file(folder / "whole.vdb"));
   expect_refused(folder, "merge a.vdb overlap.vdb -o x.vdb", 1, "overlap");
   expect_refused(folder, "merge a.vdb a.vdb -o x.vdb", 1, "overlap");
   expect_refused(folder, "merge a.vdb gap.vdb -o x.vdb", 1, "missing");
@@ -277,6 +345,7 @@ TEST(Cli, InfoTellsHowAGridWasBaked) {
   EXPECT_EQ(grid["photon_begin"], 0);
   EXPECT_EQ(grid["photon_end"], 20000);
   EXPECT_EQ(grid["scene"], "leak_axis.gltf");
+  EXPECT_TRUE(grid["version"].is_string());  // compared by merge
   const Json loaded = Json::parse(ivory(folder, "info " + scene + " --json").out);
   EXPECT_EQ(grid["scene_hash"], loaded["content_hash"]);
   EXPECT_EQ(loaded["kind"], "scene");
