@@ -154,7 +154,7 @@ TEST_F(ChartCommand, EachCurveMeasures) {
   std::string only;
   for (const char* name : {"grid/cornell_box/path_tracing/1", "bases/1_distant_light/vectors/0", "sh9/sky/sh/order_0",
                            "fiv/one_hard_light_floating/six_hemispheres/16_9_8", "cubemap/coloured_box/convolved/2",
-                           "lobes/one_ball_of_light/cosine_lobes/all", "rates/sh9/bench/all", "stability/grid_planes"})
+                           "lobes/one_ball_of_light/lobes_and_gaussians/all", "rates/sh9/bench/all", "stability/grid_planes"})
     only += std::string(" --only ") + name;
   const std::string arguments = "chart quick --threads 2 -o '" + folder + "'" + only;
   const RunResult listed = run_ivory(arguments + " --list", false);

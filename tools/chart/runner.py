@@ -264,7 +264,7 @@ class Runner:
     def seconds(self, step, record):
         """A step's time: what it reports itself, or all of it but the program's start."""
         if step.reports_time():
-            return record["seconds"]
+            return record["result"][step.seconds]
         return max(LEAST_S, record["wall_s"] - self._start_up(record))
 
     def point_key(self, point):
