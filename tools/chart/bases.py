@@ -48,7 +48,7 @@ def tiny_scene(path, lights):
 
 
 def directional_points(suite, inputs):
-    count, photons = (500, "4m") if suite == "full" else (200, "500k")
+    count, photons = (500, "2m") if suite == "full" else (200, "500k")
     normals = File(probes.normals(inputs.path(f"normals_{count}.csv"), count))
     cases = []
     for lights in (1, 4, 64):
@@ -58,7 +58,7 @@ def directional_points(suite, inputs):
             path = inputs.path(f"lights_{lights}_{sample}.gltf")
             cases.append((f"{lights} distant light{'s' if lights > 1 else ''}", str(sample), File(tiny_scene(path, light)), (), light))
     empty = File(tiny_scene(inputs.path("lights_0.gltf"), []))
-    for name, environment in inputs.environments(suite).items():
+    for name, environment in inputs.environments("quick").items():
         cases.append(("environments", name, empty, ("--env", environment), None))
 
     for panel, name, scene, options, light in cases:
