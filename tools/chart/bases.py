@@ -64,8 +64,7 @@ def directional_points(suite, inputs):
     for panel, name, scene, options, light in cases:
         truth = None
         if light is None:
-            difmap = Step(("bake", "difmap", options[1], "--size", 128, Out("exr")))
-            truth = Step(("probe", difmap, "--points", normals, Out("csv")))
+            truth = Step(("probe", options[1], "--points", normals, Out("csv")))
         for basis, reconstruction in BASES:
             bake = Step(("bake", "grid", scene, *options, "--direct", "--resolution", 2, "--guard", "off", "--basis", basis, "--photons",
                          photons, Out("vdb")))
