@@ -22,17 +22,12 @@ def rough_scenes(inputs):
     """{roughness: scene} of the plane, metal."""
     import make_bunny_room
     import make_lobes_scenes
-    animal, found = None, {}
+    animal, found = make_bunny_room.bunny(pathlib.Path("/usr/share/glmark2/models/bunny.obj")), {}
     for r in ROUGHNESS:
-        path = inputs.path(f"bunny_rough_{r}.glb")
-        try:
-            open(path, "rb").close()
-        except OSError:
-            animal = animal or make_bunny_room.bunny(pathlib.Path("/usr/share/glmark2/models/bunny.obj"))
-            make_lobes_scenes.scene(pathlib.Path(path), animal, {
-                "pbrMetallicRoughness": {"baseColorFactor": [0.7, 0.7, 0.7, 1.0], "metallicFactor": 1.0, "roughnessFactor": r},
-                "extensions": {}}, (0.0, 0.0, 0.0))
-        found[r] = path
+        found[r] = inputs.path(f"bunny_rough_{r}.glb")
+        make_lobes_scenes.scene(pathlib.Path(found[r]), animal, {
+            "pbrMetallicRoughness": {"baseColorFactor": [0.7, 0.7, 0.7, 1.0], "metallicFactor": 1.0, "roughnessFactor": r},
+            "extensions": {}}, (0.0, 0.0, 0.0))
     return found
 
 

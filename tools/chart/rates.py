@@ -18,7 +18,7 @@ def points(suite, inputs, runner):
         "occluder tables": Step(("bench", "fiv", File(inputs.occluder()), "--env", environment, "--samples",
                                  "64,33,30" if full else "32,17,15", *(("--times",) if full else ()))),
         "frames": Step(("bench", "runtime", File(inputs.bundled("knot.glb")), "--env", File(inputs.bundled("sky.hdr")), "--rounds",
-                        5 if full else 1)),
+                        5 if full else 3)),
     }
     for name, step in benches.items():
         def measure(run, step=step):

@@ -4,6 +4,7 @@
 """
 import os
 import re
+import shlex
 import shutil
 
 from plot import error_of, pareto
@@ -59,7 +60,7 @@ def points_table(records):
 
 def short(command):
     """A command without the folders of its files."""
-    return " ".join(os.path.basename(w) if "/" in w else w for w in command.split())
+    return " ".join(os.path.basename(w) if "/" in w else w for w in shlex.split(command))
 
 
 def front_table(records):
