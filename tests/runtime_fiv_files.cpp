@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 class RuntimeFivFiles : public GlTest {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) / "runtime_fiv_files";
+    folder_ = fs::path(testing::TempDir()) / testing::UnitTest::GetInstance()->current_test_info()->name();
     fs::remove_all(folder_);
     fs::create_directories(folder_);
     const SyntheticSky sky = synthetic_sky(1);

@@ -164,10 +164,11 @@ TEST_F(RenderCommand, RefusesAssetsOfOtherEnvironments) {
       path("lit.exr"));
   expect_one_line("bake cubemap " + furnace + two + " --at 0,0,0 -q --grid " + path("lit.vdb") + " -o " + path("y.exr"),
                   1, "another environment");
-  const std::string cubemap = "cubemap --object " + scene("knot.glb") + " --cubemap " + path("lit.exr");
-  expect_one_line(render + cubemap + two, 1, "another environment");
-  expect_one_line(render + cubemap, 1, "--env");
-  run(render + cubemap + one + " --force");
+  const std::string cubemap = "render " + furnace + " -q --size 8x8 --samples 1 -o " + path("z.exr") +
+                              " --method cubemap --object " + scene("knot.glb") + " --cubemap " + path("lit.exr");
+  expect_one_line(cubemap + two, 1, "another environment");
+  expect_one_line(cubemap, 1, "--env");
+  run(cubemap + one);
 }
 
 TEST_F(RenderCommand, RefusesAGridWithDirectLight) {

@@ -145,7 +145,7 @@ void add_bake_fiv_command(CLI::App& bake, CommonOptions& common) {
                    "Bright parts stay apart, as fine as the map is, until none carries more than 1 / PARTS of\n"
                    "all light; 1 merges them too");
   command->add_option("--farthest", options->params.farthest, "Outermost sphere, in radii of the bounding sphere")
-      ->check(CLI::Range(1.5, 1000.0))
+      ->check(within(1.5, 1000.0), "in [1.5 - 1000]")
       ->capture_default_str();
   command
       ->add_option("--silhouette", options->params.silhouette_pixels,

@@ -115,7 +115,7 @@ void add_bake_grid_command(CLI::App& bake, CommonOptions& common) {
       ->add_option("--rotate-y", params.rotate_y_deg,
                    "Turns the grid about the vertical axis through its middle, counter-clockwise as seen from\n"
                    "above: --bounds is given before the turn; without it the turned grid covers the whole scene")
-      ->check(CLI::Range(-360.0F, 360.0F))
+      ->check(within(-360.0, 360.0), "in [-360 - 360]")
       ->type_name("DEGREES");
 
   auto* resolution = command->add_option_function<std::string>(

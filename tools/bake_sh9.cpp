@@ -135,7 +135,7 @@ void add_bake_sh9_command(CLI::App& bake, CommonOptions& common) {
   command
       ->add_option("--max-error", options->max_error,
                    "For --order auto: average error of E, as a fraction of the light of the whole sphere")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(within(0.0, 1.0), "in [0 - 1]")
       ->capture_default_str();
   command
       ->add_option(

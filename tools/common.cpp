@@ -159,6 +159,14 @@ std::vector<float> parse_floats(std::string_view option, std::string_view text, 
   return values;
 }
 
+std::function<std::string(const std::string&)> within(double low, double high) {
+  return [low, high](const std::string& text) {
+    const auto value = parse_number<double>(text);
+    if (value && *value >= low && *value <= high) return std::string();
+    return fmt::format("'{}' is not a number from {} to {}", text, low, high);
+  };
+}
+
 V3f parse_vector3(std::string_view option, std::string_view text) {
   const std::vector<float> v = parse_floats(option, text, 3, "X,Y,Z");
   return {v[0], v[1], v[2]};

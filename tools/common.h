@@ -56,6 +56,9 @@ V3f parse_vector3(std::string_view option, std::string_view text);
 std::vector<float> parse_floats(std::string_view option, std::string_view text, std::size_t count,
                                 std::string_view form);
 
+// For CLI::Option::check(): a number from low to high, which CLI::Range would also take "nan" for.
+std::function<std::string(const std::string& text)> within(double low, double high);
+
 // Options whose values go through the parsers above. `value` must outlive the parse; what it holds
 // now is shown as the default where it is not zero or empty.
 CLI::Option* add_count_option(CLI::App& command, const std::string& name, std::uint64_t& value,

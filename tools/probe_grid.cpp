@@ -113,7 +113,7 @@ ProbeSource make_grid_source(CLI::App& command) {
       ->capture_default_str()
       ->group(grids);
   command.add_option("--nudge", options->nudge_voxels, "Points move this far along n first, in voxels")
-      ->check(CLI::Range(0.0, 2.0))
+      ->check(within(0.0, 2.0), "in [0 - 2]")
       ->capture_default_str()
       ->group(grids);
 

@@ -207,7 +207,7 @@ void add_render_command(CLI::App& app, CommonOptions& common) {
       ->add_option_function<float>(
           "--exposure", [options](float stops) { options->exposure_stops = stops; },
           "Stops for tone-mapped pictures [mean luminance to middle grey, highlights to white]")
-      ->check(CLI::Range(-100.0F, 100.0F))
+      ->check(within(-100.0, 100.0), "in [-100 - 100]")
       ->type_name("STOPS");
   command
       ->add_option_function<std::vector<std::string>>(

@@ -94,7 +94,7 @@ RenderMethod make_lobes_method(CLI::App& command) {
   command
       .add_option("--threshold", options->params.threshold,
                   "Lobe products under this fraction of the unshadowed light are dropped")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(within(0.0, 1.0), "in [0 - 1]")
       ->capture_default_str();
   command
       .add_option("--split", options->params.max_split_level,

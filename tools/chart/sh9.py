@@ -52,6 +52,8 @@ def draw(records, figures):
     def with_floor(series, x):
         """And the largest of the bounds, over the range of x."""
         xs = [x(r) for r in records if r["series"] == series]
+        if not xs:
+            return []
         return lines(series, x) + [(floor, [min(xs), max(xs)], [max(r["nrmse_floor"] for r in records)] * 2, None, None)]
 
     windows = ["none", *dict.fromkeys(r["label"] for r in records if r["series"] == "SH9, window")]

@@ -208,7 +208,7 @@ void add_light_options(CLI::App& app, ViewCommand& command) {
       ->group(group);
   app.add_option("--threshold", command.run.settings.lobes.threshold,
                  "Lobe products under this fraction of the unshadowed light are dropped")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(within(0.0, 1.0), "in [0 - 1]")
       ->capture_default_str()
       ->group(group);
   app.add_option("--split", command.run.settings.lobes.max_split_level,
@@ -233,7 +233,7 @@ void add_picture_options(CLI::App& app, ViewCommand& command) {
   app.add_option_function<float>(
          "--exposure", [&command](float stops) { command.run.exposure_stops = stops; },
          "Stops for tone-mapped pictures [as ivory render chooses, from the first frame]")
-      ->check(CLI::Range(-100.0F, 100.0F))
+      ->check(within(-100.0, 100.0), "in [-100 - 100]")
       ->type_name("STOPS")
       ->group(group);
   app.add_option("--tone", command.tone, "Curve from light to display: neutral is that of ivory render")
@@ -255,7 +255,7 @@ void add_picture_options(CLI::App& app, ViewCommand& command) {
       ->type_name("VALUE")
       ->group(group);
   app.add_option("--glyph-scale", command.run.settings.glyph_scale, "Size of spheres and vectors")
-      ->check(CLI::Range(0.01F, 100.0F))
+      ->check(within(0.01, 100.0), "in [0.01 - 100]")
       ->capture_default_str()
       ->group(group);
   app.add_option("--vertex-step", command.run.settings.vertex_step,
