@@ -1,4 +1,6 @@
 """Rates beside their bounds, and what a frame of the OpenGL runtime costs."""
+import os
+
 import tables
 from runner import File, Point, Step
 
@@ -34,7 +36,7 @@ def rates(records):
         result = r["result"]
         if r["panel"] == "photons":
             for s in result["scenes"]:
-                rows.append((f"photon segments traced and deposited, {s['scene']}, {s['triangles']:,} triangles",
+                rows.append((f"photon segments traced and deposited, {os.path.basename(s['scene'])}, {s['triangles']:,} triangles",
                              f"{s['segments_per_s'] / 1e6:.2f} M/s", f"Embree's closest hits on the same rays: "
                              f"{s['embree_rays_per_s'] / 1e6:.2f} M/s", s["embree_ratio"]))
         elif r["panel"] == "look-ups":

@@ -3,6 +3,9 @@ import tables
 from grid import path_tracing_seconds
 
 
+OUTDOORS = "sunlit garden"
+
+
 def span(values, form):
     low, high = form(min(values)), form(max(values))
     return low if low == high else f"{low} to {high}"
@@ -18,11 +21,14 @@ def indirect_rows(records):
         here = [r for r in grids if r["series"] == series and r["label"] == label]
         if not here:
             continue
-        ratios = [path_tracing_seconds([r for r in grids if r["panel"] == h["panel"]], h["nrmse"]) / h["time_s"] for h in here]
+        ratios = {h["panel"]: path_tracing_seconds([r for r in grids if r["panel"] == h["panel"]], h["nrmse"]) / h["time_s"] for h in here}
+        indoors = [ratio for panel, ratio in ratios.items() if panel != OUTDOORS]
+        longer = f"path tracing to the same error takes {span(indoors, lambda x: tables.number(x, 2))} times as long"
+        if OUTDOORS in ratios:
+            longer += f" in rooms, {tables.number(ratios[OUTDOORS], 2)} times in the {OUTDOORS}"
         found.append((f"indirect light from {method}, {len(here)} scenes",
                       f"NRMSE {span([r['nrmse'] for r in here], tables.percent)}; {text} of 240×180 in "
-                      f"{span([r['time_s'] for r in here], tables.seconds)}; path tracing to the same error takes "
-                      f"{span(ratios, lambda x: tables.number(x, 2))} times as long"))
+                      f"{span([r['time_s'] for r in here], tables.seconds)}; {longer}"))
     return found
 
 
