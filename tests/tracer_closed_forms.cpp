@@ -39,15 +39,6 @@ Material lambert(float albedo, float emission = 0) {
   return m;
 }
 
-GridFrame frame_of(int vertices, float side_m) {
-  GridFrame frame;
-  frame.size = V3i(vertices, vertices, vertices);
-  frame.spacing_m = V3f(1, 1, 1) * (side_m / float(vertices));
-  const float first = (frame.spacing_m.x - side_m) / 2;
-  frame.origin_m = V3f(first, first, first);
-  return frame;
-}
-
 // An inward-facing axis-aligned box of 12 triangles, half side 1.
 Mesh inward_box() {
   Mesh mesh;
@@ -188,7 +179,7 @@ GridBakeParams params_of(Estimator estimator, const GridFrame& frame) {
 
 TEST_P(ClosedForm, UniformEnvironment) {
   const World world = open_world(uniform_environment(2), {});
-  GridBakeParams params = params_of(GetParam(), frame_of(2, 0.8F));
+  GridBakeParams params = params_of(GetParam(), centred_frame(2, 0.8F));
   params.include_direct = true;
   const Comparison c = compare(world, params, 400'000, [](const V3f&) { return uniform_vectors(Rgb(2, 1, 0.5F)); });
   EXPECT_EQ(c.beyond, 0) << "worst z " << c.worst_z << " of " << c.count;
@@ -197,7 +188,7 @@ TEST_P(ClosedForm, UniformEnvironment) {
 TEST_P(ClosedForm, OneDirectionalLight) {
   const V3f travel = V3f(0.3F, -0.8F, 0.4F).normalized();
   const World world = open_world({}, {DirectionalLight{travel, Rgb(3, 2, 1)}});
-  GridBakeParams params = params_of(GetParam(), frame_of(2, 0.8F));
+  GridBakeParams params = params_of(GetParam(), centred_frame(2, 0.8F));
   params.include_direct = true;
   const Comparison c =
       compare(world, params, 200'000, [&](const V3f&) { return directional_vectors(V3d(-travel), Rgb(3, 2, 1)); });
@@ -209,7 +200,7 @@ TEST_P(ClosedForm, OneDirectionalLight) {
 TEST_P(ClosedForm, PointLight) {
   const V3d light(-2, 0.3, 0.1);
   const World world = open_world({}, {PointLight{V3f(light), Rgb(5, 5, 5)}});
-  const GridFrame frame = frame_of(2, 0.8F);
+  const GridFrame frame = centred_frame(2, 0.8F);
   GridBakeParams params = params_of(GetParam(), frame);
   params.include_direct = true;
   const bool track = GetParam() == Estimator::track;
@@ -260,7 +251,7 @@ TEST_P(ClosedForm, IntegratingSphere) {
                                    {PointLight{V3f(0, 0, 0), Rgb(intensity, intensity, intensity)}});
   const double e = flux / area * albedo / (1 - albedo);
   const auto radiance = float(e / double(pi));
-  GridBakeParams params = params_of(GetParam(), frame_of(2, 0.8F));
+  GridBakeParams params = params_of(GetParam(), centred_frame(2, 0.8F));
   // Uniform to 0.2 %: the first bounce's light falls off the facets' edges and middles alike; at this
   // number of photons the standard error is 1 %, so that does not show.
   const Comparison c =
@@ -272,7 +263,7 @@ TEST_P(ClosedForm, IntegratingSphere) {
 // L = L_e / (1 - rho); with direct light included the grid holds all of it.
 TEST_P(ClosedForm, Furnace) {
   const World world = closed_world(inward_box(), lambert(0.6F, 1.0F), {});
-  GridBakeParams params = params_of(GetParam(), frame_of(2, 1.2F));
+  GridBakeParams params = params_of(GetParam(), centred_frame(2, 1.2F));
   params.include_direct = true;
   const Comparison c =
       compare(world, params, 400'000, [](const V3f&) { return uniform_vectors(Rgb(2.5F, 2.5F, 2.5F)); });
@@ -284,7 +275,7 @@ TEST_P(ClosedForm, EnergyLedger) {
   const World box = closed_world(inward_box(), lambert(0.6F, 1.0F), {});
   for (const World* w : {&world, &box}) {
     for (const int bounces : {3, 1000}) {
-      GridBakeParams params = params_of(GetParam(), frame_of(2, 0.8F));
+      GridBakeParams params = params_of(GetParam(), centred_frame(2, 0.8F));
       params.photons = 20'000;
       params.max_bounces = bounces;
       const GridSums sums = bake_grid_sums(*w->intersector, *w->lights, params);
@@ -304,7 +295,7 @@ TEST_P(ClosedForm, EnergyLedger) {
 // 2/3 of the true value, for one directional light |w.delta| of it.
 TEST(FacePaper, MissesByThePredictedFactor) {
   const World uniform = open_world(uniform_environment(2), {});
-  GridBakeParams params = params_of(Estimator::face_paper, frame_of(2, 0.8F));
+  GridBakeParams params = params_of(Estimator::face_paper, centred_frame(2, 0.8F));
   params.include_direct = true;
   const Comparison predicted =
       compare(uniform, params, 400'000, [](const V3f&) { return uniform_vectors(Rgb(2, 1, 0.5F) * (2.0F / 3)); });

@@ -9,15 +9,6 @@
 namespace ivory {
 namespace {
 
-GridFrame centred_frame(int vertices, float side_m) {
-  GridFrame frame;
-  frame.size = V3i(vertices, vertices, vertices);
-  frame.spacing_m = V3f(1, 1, 1) * (side_m / float(vertices));
-  const float first = (frame.spacing_m.x - side_m) / 2;
-  frame.origin_m = V3f(first, first, first);
-  return frame;
-}
-
 // F and D_i of one directional light of 1 lux: w and sgn(w_i) w.
 std::array<double, 12> directional_moments(const V3f& w) {
   std::array<double, 12> m{};

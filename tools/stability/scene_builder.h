@@ -4,6 +4,7 @@
 #include <array>
 #include <string>
 
+#include "grid/irradiance_grid.h"
 #include "tracer/scene.h"
 
 namespace ivory {
@@ -81,6 +82,16 @@ inline Mesh make_inward_sphere(int subdivisions, int material) {
     mesh.triangles = finer;
   }
   return mesh;
+}
+
+// Cells that fill a cube of that side about the origin, a vertex in the middle of each.
+inline GridFrame centred_frame(int vertices, float side_m) {
+  GridFrame frame;
+  frame.size = V3i(vertices, vertices, vertices);
+  frame.spacing_m = V3f(1, 1, 1) * (side_m / float(vertices));
+  const float first = (frame.spacing_m.x - side_m) / 2;
+  frame.origin_m = V3f(first, first, first);
+  return frame;
 }
 
 inline EnvironmentMap uniform_environment(const Rgb& radiance_nits, int height = 8) {
