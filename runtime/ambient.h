@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "grid/types.h"
+#include "grid/base/types.h"
 #include "runtime/gl.h"
 
 namespace ivory {

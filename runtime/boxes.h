@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "grid/types.h"
+#include "grid/base/types.h"
 
 namespace ivory {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "grid/half_float.h"
-#include "grid/io_difmap.h"
+#include "grid/base/half.h"
+#include "grid/io/difmap.h"
 #include "runtime/gl_check.h"
 
 namespace ivory {
@@ -20,7 +20,7 @@ GpuDifMap upload(const std::string& what, const CubeMap& e, const DifMapUploadPa
     for (const Rgb& texel : e.texels) largest = std::max(largest, max_component(texel));
     out.scale = half_scale(largest);
   }
-  // See grid/cube_map.h: OpenGL shows the faces from outside.
+  // See grid/env/cube_map.h: OpenGL shows the faces from outside.
   std::vector<Rgb> texels;
   texels.reserve(e.texels.size());
   for (int face = 0; face < cube_faces; ++face) {

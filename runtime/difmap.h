@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-#include "grid/difmap.h"
+#include "grid/env/difmap.h"
 #include "runtime/ambient.h"
 #include "runtime/gl.h"
 

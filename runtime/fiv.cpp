@@ -10,10 +10,10 @@
 
 #include <fmt/format.h>
 
-#include "grid/error.h"
-#include "grid/half_float.h"
-#include "grid/io_fiv.h"
-#include "grid/memory.h"
+#include "grid/base/error.h"
+#include "grid/base/half.h"
+#include "grid/base/memory.h"
+#include "grid/io/fiv.h"
 #include "runtime/boxes.h"
 #include "runtime/gl_check.h"
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "grid/fiv_light.h"
+#include "grid/fiv/light.h"
 #include "runtime/difmap.h"
 #include "runtime/gl.h"
 #include "runtime/sh9.h"

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <utility>
 
-#include "grid/types.h"
+#include "grid/base/types.h"
 
 namespace ivory::gl {
 

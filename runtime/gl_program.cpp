@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "runtime/gl_check.h"
 #include "runtime/shader_source.h"
 

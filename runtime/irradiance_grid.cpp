@@ -8,11 +8,11 @@
 
 #include <fmt/format.h>
 
-#include "grid/compact_vectors.h"
-#include "grid/error.h"
-#include "grid/grid_lookup.h"
-#include "grid/half_float.h"
-#include "grid/io_vdb.h"
+#include "grid/base/error.h"
+#include "grid/base/half.h"
+#include "grid/field/compact_vectors.h"
+#include "grid/field/lookup.h"
+#include "grid/io/vdb/vdb.h"
 #include "runtime/gl_check.h"
 
 namespace ivory {

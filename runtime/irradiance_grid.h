@@ -20,7 +20,7 @@
 #include <cstddef>
 #include <string>
 
-#include "grid/irradiance_grid.h"
+#include "grid/field/irradiance_grid.h"
 #include "runtime/ambient.h"
 #include "runtime/gl.h"
 

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "grid/error.h"
-#include "grid/io_lobes.h"
+#include "grid/base/error.h"
+#include "grid/io/lobes.h"
 
 namespace ivory {
 

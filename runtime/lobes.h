@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "grid/lobe_light.h"
+#include "grid/lobes/light.h"
 #include "runtime/ambient.h"
 #include "runtime/texel_buffer.h"
 

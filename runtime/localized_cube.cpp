@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "grid/cube_edges.h"
-#include "grid/error.h"
-#include "grid/io_localized_cube.h"
+#include "grid/base/error.h"
+#include "grid/cubemap/edges.h"
+#include "grid/io/cubemap.h"
 
 namespace ivory {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "grid/localized_cube.h"
+#include "grid/cubemap/localized.h"
 #include "runtime/ambient.h"
 #include "runtime/texel_buffer.h"
 

@@ -8,7 +8,7 @@
 #include <ImathBoxAlgo.h>
 #include <fmt/format.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "runtime/gl_check.h"
 
 namespace ivory {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "grid/types.h"
+#include "grid/base/types.h"
 #include "runtime/gl.h"
 #include "runtime/material.h"
 #include "runtime/mesh.h"

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-#include "grid/io_sh9.h"
+#include "grid/io/sh9.h"
 #include "runtime/ambient.h"
 #include "runtime/gl.h"
 

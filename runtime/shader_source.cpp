@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "runtime/shader_table.h"
 
 namespace ivory {

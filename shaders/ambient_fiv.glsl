@@ -1,5 +1,5 @@
 // Ambient light of an environment (SH9 or DifMap) shadowed by occluders with FIV tables. Twin: fiv_irradiance() of
-// grid/fiv_light.h. Set by bind(const GpuFivTables&, ...) of runtime/fiv.h.
+// grid/fiv/light.h. Set by bind(const GpuFivTables&, ...) of runtime/fiv.h.
 //
 // IVORY_FIV_OVERLAP, before it: 0 none, 1 discs, 2 covers (as without), 3 product. IVORY_FIV_SELF: for objects that are
 // occluders themselves, as `ivory_fiv_self` says.

@@ -1,7 +1,7 @@
-// Directional bases: E(n) from the moments that a vertex of a grid stores. Twin of grid/basis.cpp and of
-// grid/compact_vectors.cpp, where the derivations are.
+// Directional bases: E(n) from the moments that a vertex of a grid stores. Twin of grid/field/basis.cpp and of
+// grid/field/compact_vectors.cpp, where the derivations are.
 //
-// Moments come as vec3 m[12], one RGB triple a function in the order of grid/basis.h (12, 9, 9, 6 or 4 of them count),
+// Moments come as vec3 m[12], one RGB triple a function in the order of grid/field/basis.h (12, 9, 9, 6 or 4 of them count),
 // in lux; n is a unit vector in the frame that the moments live in. Answers are lux, never negative.
 
 const int ivory_basis_vectors = 0;  // the values of enum class Basis

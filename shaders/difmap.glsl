@@ -1,4 +1,4 @@
-// Irradiance of an environment from a cube map. Twin: grid/difmap.h, irradiance(DifMap, n).
+// Irradiance of an environment from a cube map. Twin: grid/env/difmap.h, irradiance(DifMap, n).
 //
 // `map` holds E / scale at the texels' centres as normals, filtered linearly and, with GL_TEXTURE_CUBE_MAP_SEAMLESS,
 // across the faces' edges; `scale` is in lux.

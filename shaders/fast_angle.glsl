@@ -1,4 +1,4 @@
-// The angle of a vector in the plane. Twin: grid/fast_angle.h, which says how the polynomial came about.
+// The angle of a vector in the plane. Twin: grid/base/fast_angle.h, which says how the polynomial came about.
 
 // atan2(y, x) to 6e-7 rad. (0, 0) gives 0.
 float ivory_fast_angle(float y, float x) {

@@ -1,4 +1,4 @@
-// The light of an environment at a receiver among moving occluders. Twin: grid/fiv_light.h.
+// The light of an environment at a receiver among moving occluders. Twin: grid/fiv/light.h.
 //
 // Go through the occluders, ivory_fiv_add() each one's shadow to IvoryFivShadows, then ask for ivory_fiv_leave():
 // shaders/ambient_fiv.glsl does. IVORY_FIV_OVERLAP: 0 none, 1 discs, 2 covers, 3 product.

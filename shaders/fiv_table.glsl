@@ -1,4 +1,4 @@
-// FIV occluder tables: the light that an occluder hides, by the receiver's place around it. Twin: grid/fiv_table.h.
+// FIV occluder tables: the light that an occluder hides, by the receiver's place around it. Twin: grid/fiv/table.h.
 //
 // `atlas`: all tables in one 3D texture with linear filtering. A table is a box of it, a slab for each four of its
 // numbers, three slabs side by side: azimuth (the first column once more behind the last) to x, polar angle to y,
@@ -81,7 +81,7 @@ vec3 ivory_fiv_dot_dz(IvoryFivMoments m, vec3 n) {
   return vec3(m.slab[6].a, m.slab[7].rg) * n.x + vec3(m.slab[7].ba, m.slab[8].r) * n.y + m.slab[8].gba * n.z;
 }
 
-// irradiance_bracket().lower of grid/basis.h. For an axis i, with a = n.F and b = n.D_i, it is
+// irradiance_bracket().lower of grid/field/basis.h. For an axis i, with a = n.F and b = n.D_i, it is
 // max(0, (a + b) / 2) + max(0, (a - b) / 2) = max(0, a, (a + |b|) / 2).
 vec3 ivory_fiv_lower_bound(IvoryFivMoments m, vec3 n) {
   vec3 a = ivory_fiv_dot_f(m, n);

@@ -1,4 +1,4 @@
-// The compact leak guard of a grid's vertex: up to four planes in four words. Twin of grid/guard.cpp.
+// The compact leak guard of a grid's vertex: up to four planes in four words. Twin of grid/field/guard.cpp.
 
 // One plane from its word (10 + 10 bits octahedral normal, 12 bits distance): unit normal in xyz, distance in voxels in
 // w. A word of zero is no plane; what it unpacks to has no meaning.

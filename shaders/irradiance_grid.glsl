@@ -1,4 +1,4 @@
-// E(p, n) from a baked irradiance grid. Twin of grid/irradiance_grid.cpp and grid/grid_lookup.cpp; runtime/irradiance_grid.h
+// E(p, n) from a baked irradiance grid. Twin of grid/field/irradiance_grid.cpp and grid/field/lookup.cpp; runtime/irradiance_grid.h
 // makes the textures and sets the numbers.
 //
 // Inputs, passed as parameters:

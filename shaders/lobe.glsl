@@ -1,4 +1,4 @@
-// Cosine lobes s max(a.w, 0)^e around unit axes a. Twin of grid/lobe.cpp, where the closed forms are derived.
+// Cosine lobes s max(a.w, 0)^e around unit axes a. Twin of grid/lobes/lobe.cpp, where the closed forms are derived.
 
 struct IvoryLobe {
   vec3 axis;       // unit

@@ -1,5 +1,5 @@
 // Light of spherical lights that a surface made of cosine lobes reflects, with soft shadows from sphere sets. Twin of
-// grid/lobe_light.cpp, where the formulas are derived.
+// grid/lobes/light.cpp, where the formulas are derived.
 //
 // Define before it, else the defaults hold:
 //   IVORY_MAX_LOBES   lobes that a reflectance may have, the diffuse one included (2; up to 8 for Lafortune's)

@@ -1,4 +1,4 @@
-// The product of two cosine lobes as one lobe, by a table. Twin of grid/lobe_table.cpp, where the guess is derived that the table
+// The product of two cosine lobes as one lobe, by a table. Twin of grid/lobes/table.cpp, where the guess is derived that the table
 // corrects.
 //
 // Inputs: IvoryLobeTable and two 3D textures with linear filters from ivory::bind(GpuLobes): x angle, y second exponent,

@@ -1,4 +1,4 @@
-// How spheres hide a spherical light: a mask of bits over the light's cap, and its quad-tree. Twin of grid/lobe_visibility.cpp,
+// How spheres hide a spherical light: a mask of bits over the light's cap, and its quad-tree. Twin of grid/lobes/visibility.cpp,
 // where the geometry is derived.
 //
 // Define before it, else the defaults hold:
@@ -80,7 +80,7 @@ void ivory_splat_sphere(inout uint rows[IVORY_MASK_SIZE], vec4 sphere, bool want
   }
 }
 
-// Cells at each end of a row that lie outside the disc altogether: those that grid/lobe_visibility.cpp finds no part in.
+// Cells at each end of a row that lie outside the disc altogether: those that grid/lobes/visibility.cpp finds no part in.
 uint ivory_outside_row(int j) {
 #if IVORY_LEAF_DEPTH == 5
   const int ends[16] = int[16](10, 8, 6, 5, 4, 3, 2, 2, 1, 1, 0, 0, 0, 0, 0, 0);
@@ -199,7 +199,7 @@ struct IvoryMaskLeaf {
 };
 
 // The block's leaf. `blocks` (RGBA32F, from ivory::bind(GpuLobes)) holds all levels' blocks, two texels each: centroid, area,
-// variance; a, b (grid/lobe_visibility.h, MaskBlock).
+// variance; a, b (grid/lobes/visibility.h, MaskBlock).
 IvoryMaskLeaf ivory_make_leaf(samplerBuffer blocks, int block, IvoryLightCap cap, int level, bool lit) {
   const float pi = 3.14159265358979;
   vec4 b = texelFetch(blocks, 2 * block);

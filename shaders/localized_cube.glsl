@@ -1,5 +1,5 @@
 // Irradiance from a localized cube map: large texels of radiance, each with the inverse distances of its four corners, as the
-// polygons that they are. Twin of grid/localized_cube.cpp and grid/cube_edges.cpp, where the formulas are derived.
+// polygons that they are. Twin of grid/cubemap/localized.cpp and grid/cubemap/edges.cpp, where the formulas are derived.
 //
 // Inputs: IvoryLocalizedCube and its samplerBuffer of RGBA32F, both from ivory::bind(GpuLocalizedCube): with M = size
 //   [0, 6 M^2)            inverse depth of a texel's corners, 1/m: (0,0), (1,0), (0,1), (1,1), right, then down

@@ -1,4 +1,4 @@
-// Irradiance of an environment from nine spherical harmonics. Twin: grid/sh9.h, irradiance(Sh9MatricesF, n).
+// Irradiance of an environment from nine spherical harmonics. Twin: grid/env/sh9.h, irradiance(Sh9MatricesF, n).
 //
 // struct IvorySh9: the symmetric matrices of eq. 12 (Ramamoorthi & Hanrahan 2001), lux, one a colour channel.
 struct IvorySh9 {

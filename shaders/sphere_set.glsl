@@ -1,4 +1,4 @@
-// Spheres that occlude light by cones. Twin of grid/sphere_set.h. A sphere is (centre, radius), metres.
+// Spheres that occlude light by cones. Twin of grid/lobes/sphere_set.h. A sphere is (centre, radius), metres.
 
 // Squared length of the tangent from p: negative inside; the order of spheres along rays from p.
 float ivory_power(vec4 sphere, vec3 p) {

@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "grid/environment_layout.h"
-#include "grid/types.h"
+#include "grid/base/types.h"
+#include "grid/env/layout.h"
 
 namespace ivory {
 

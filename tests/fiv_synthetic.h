@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
-#include "grid/difmap.h"
-#include "grid/fiv_light.h"
+#include "grid/env/difmap.h"
+#include "grid/fiv/light.h"
 #include "tests/runtime_twin.h"
 
 namespace ivory {

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "grid/types.h"
+#include "grid/base/types.h"
 
 namespace ivory {
 

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tests/gltf_builder.h"
 #include "tests/scene_check.h"
 #include "tracer/gltf_loader.h"

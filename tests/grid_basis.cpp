@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/basis.h"
-#include "grid/error.h"
+#include "grid/base/error.h"
+#include "grid/field/basis.h"
 
 namespace ivory {
 namespace {

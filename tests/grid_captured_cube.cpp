@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/captured_cube.h"
-#include "grid/error.h"
+#include "grid/base/error.h"
+#include "grid/cubemap/captured.h"
 
 namespace ivory {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/compact_vectors.h"
+#include "grid/field/compact_vectors.h"
 
 namespace ivory {
 namespace {

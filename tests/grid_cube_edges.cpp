@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/cube_edges.h"
+#include "grid/cubemap/edges.h"
 #include "tools/stability/cube_builder.h"
 
 namespace ivory {

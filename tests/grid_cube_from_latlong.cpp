@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/cube_from_latlong.h"
+#include "grid/env/cube_from_latlong.h"
 
 namespace ivory {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/cube_map.h"
+#include "grid/env/cube_map.h"
 
 namespace ivory {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/cube_reader.h"
+#include "grid/cubemap/reader.h"
 #include "tools/stability/cube_builder.h"
 
 namespace ivory {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/fast_angle.h"
+#include "grid/base/fast_angle.h"
 
 namespace ivory {
 namespace {

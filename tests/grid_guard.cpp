@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/guard.h"
+#include "grid/field/guard.h"
 
 namespace ivory {
 namespace {

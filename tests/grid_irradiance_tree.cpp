@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/irradiance_tree.h"
-#include "grid/radiance_moments.h"
+#include "grid/env/irradiance_tree.h"
+#include "grid/env/moments.h"
 
 namespace ivory {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/lobe_visibility.h"
+#include "grid/lobes/visibility.h"
 
 namespace ivory {
 namespace {

@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
-#include "grid/lobe.h"
-#include "grid/lobe_moments.h"
-#include "grid/lobe_table.h"
+#include "grid/base/error.h"
+#include "grid/lobes/lobe.h"
+#include "grid/lobes/moments.h"
+#include "grid/lobes/table.h"
 
 namespace ivory {
 namespace {

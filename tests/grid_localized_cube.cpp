@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
-#include "grid/localized_cube.h"
+#include "grid/base/error.h"
+#include "grid/cubemap/localized.h"
 #include "tools/stability/cube_builder.h"
 
 namespace ivory {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/localized_cube.h"
+#include "grid/cubemap/localized.h"
 #include "tools/stability/cube_builder.h"
 
 namespace ivory {

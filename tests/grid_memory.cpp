@@ -7,8 +7,8 @@
 #include <sched.h>
 #include <sys/resource.h>
 
-#include "grid/error.h"
-#include "grid/memory.h"
+#include "grid/base/error.h"
+#include "grid/base/memory.h"
 
 namespace ivory {
 namespace {

@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/cube_from_latlong.h"
-#include "grid/error.h"
-#include "grid/radiance_moments.h"
-#include "grid/sh9.h"
+#include "grid/base/error.h"
+#include "grid/env/cube_from_latlong.h"
+#include "grid/env/moments.h"
+#include "grid/env/sh9.h"
 #include "tests/environment_pictures.h"
 
 namespace ivory {
@@ -42,7 +42,7 @@ TEST(RadianceMoments, UniformLightInEveryLayout) {
     for (const int detail : {1, 2, 5, 32}) {
       const Picture picture = make_picture(layout, detail, [](const V3d&) { return Rgb(2, 3, 0.25F); });
       const Sh9 sh = sh9_from_moments(moments_of(layout, picture));
-      // L00 = 2 sqrt(pi) L. Lat-long and cubes are exact; the angular map's rim is (grid/angular_map.h).
+      // L00 = 2 sqrt(pi) L. Lat-long and cubes are exact; the angular map's rim is (grid/env/angular_map.h).
       const double tolerance = layout != EnvironmentLayout::angular ? 1e-9 : (detail < 4 ? 2e-2 : 1e-4);
       EXPECT_NEAR(sh.coefficients[0].x / (2 * 2 * std::sqrt(pi_d)), 1, tolerance) << name(layout) << detail;
       EXPECT_NEAR(sh.coefficients[0].z / (0.25 * 2 * std::sqrt(pi_d)), 1, tolerance) << name(layout) << detail;

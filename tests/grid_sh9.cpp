@@ -4,9 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/difmap.h"
-#include "grid/error.h"
-#include "grid/sh9.h"
+#include "grid/base/error.h"
+#include "grid/env/difmap.h"
+#include "grid/env/sh9.h"
 
 namespace ivory {
 namespace {

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
-#include "grid/sums.h"
+#include "grid/base/error.h"
+#include "grid/field/accumulator.h"
 #include "tests/io_random.h"
 
 namespace ivory {

@@ -6,9 +6,9 @@
 #include <random>
 #include <vector>
 
-#include "grid/compact_vectors.h"
-#include "grid/grid_lookup.h"
-#include "grid/half_float.h"
+#include "grid/base/half.h"
+#include "grid/field/compact_vectors.h"
+#include "grid/field/lookup.h"
 #include "runtime/irradiance_grid.h"
 #include "tests/runtime_twin.h"
 

@@ -11,9 +11,9 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "grid/error.h"
-#include "grid/io_difmap.h"
-#include "grid/io_sh9.h"
+#include "grid/base/error.h"
+#include "grid/io/difmap.h"
+#include "grid/io/sh9.h"
 
 namespace ivory {
 namespace {

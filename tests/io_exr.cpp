@@ -1,6 +1,4 @@
 // Assets as OpenEXR files: what is written comes back, what is damaged or foreign is refused.
-#include "grid/io_exr.h"
-
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -8,7 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
+#include "grid/io/exr.h"
 
 namespace ivory {
 namespace {

@@ -1,12 +1,11 @@
 // FIV tables as files.
-#include "grid/io_fiv.h"
-
 #include <cmath>
 #include <filesystem>
 
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
+#include "grid/io/fiv.h"
 
 namespace ivory {
 namespace {

@@ -1,15 +1,14 @@
 // Lobe tables and sphere sets through files.
-#include "grid/io_lobes.h"
-
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
-#include "grid/io_exr.h"
-#include "grid/io_spheres.h"
+#include "grid/base/error.h"
+#include "grid/io/exr.h"
+#include "grid/io/lobes.h"
+#include "grid/io/sphere_set.h"
 
 namespace ivory {
 namespace {

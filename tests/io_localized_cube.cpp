@@ -1,6 +1,4 @@
 // Localized cube maps as files: what is read is what was written, or one line says why not.
-#include "grid/io_localized_cube.h"
-
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -10,9 +8,10 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/captured_cube.h"
-#include "grid/error.h"
-#include "grid/io_exr.h"
+#include "grid/base/error.h"
+#include "grid/cubemap/captured.h"
+#include "grid/io/cubemap.h"
+#include "grid/io/exr.h"
 
 namespace ivory {
 namespace {

@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
-#include "grid/io_file.h"
+#include "grid/base/error.h"
+#include "grid/io/file.h"
 
 namespace ivory {
 namespace {

@@ -9,8 +9,8 @@
 #include <random>
 #include <string>
 
-#include "grid/irradiance_grid.h"
-#include "grid/sums.h"
+#include "grid/field/accumulator.h"
+#include "grid/field/irradiance_grid.h"
 
 namespace ivory::test {
 

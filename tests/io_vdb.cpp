@@ -1,10 +1,9 @@
 // The .vdb file: what is written is what is read, to the bit where the format allows; equal content
 // gives equal bytes; and no damaged file gets further than one line.
-#include "grid/io_vdb.h"
-
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
+#include "grid/io/vdb/vdb.h"
 #include "tests/io_random.h"
 
 namespace ivory {

@@ -8,9 +8,9 @@
 #include <openvdb/openvdb.h>
 #include <sys/resource.h>
 
-#include "grid/error.h"
-#include "grid/io_trial.h"
-#include "grid/io_vdb.h"
+#include "grid/base/error.h"
+#include "grid/io/trial.h"
+#include "grid/io/vdb/vdb.h"
 #include "tests/io_random.h"
 
 namespace ivory {

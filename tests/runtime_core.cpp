@@ -1,8 +1,8 @@
 // The runtime's ground: contexts, OpenGL errors, shader text, textures.
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
-#include "grid/half_float.h"
+#include "grid/base/error.h"
+#include "grid/base/half.h"
 #include "runtime/gl_check.h"
 #include "runtime/shader_source.h"
 #include "tests/runtime_twin.h"

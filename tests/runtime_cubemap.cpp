@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/cube_edges.h"
-#include "grid/error.h"
-#include "grid/fast_angle.h"
-#include "grid/io_localized_cube.h"
+#include "grid/base/error.h"
+#include "grid/base/fast_angle.h"
+#include "grid/cubemap/edges.h"
+#include "grid/io/cubemap.h"
 #include "runtime/localized_cube.h"
 #include "tests/runtime_twin.h"
 #include "tools/stability/cube_builder.h"

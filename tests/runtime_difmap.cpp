@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
-#include "grid/half_float.h"
-#include "grid/io_difmap.h"
+#include "grid/base/error.h"
+#include "grid/base/half.h"
+#include "grid/io/difmap.h"
 #include "runtime/difmap.h"
 #include "tests/runtime_twin.h"
 

@@ -4,8 +4,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
-#include "grid/half_float.h"
+#include "grid/base/error.h"
+#include "grid/base/half.h"
 #include "runtime/fiv.h"
 #include "tests/fiv_synthetic.h"
 #include "tests/runtime_twin.h"

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
-#include "grid/io_fiv.h"
+#include "grid/base/error.h"
+#include "grid/io/fiv.h"
 #include "runtime/fiv.h"
 #include "tests/fiv_synthetic.h"
 #include "tests/runtime_twin.h"

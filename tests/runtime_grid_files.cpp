@@ -8,8 +8,8 @@
 #include <epoxy/gl.h>
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
-#include "grid/io_vdb.h"
+#include "grid/base/error.h"
+#include "grid/io/vdb/vdb.h"
 #include "tests/grid_twin.h"
 #include "tests/run_ivory.h"
 

@@ -5,8 +5,8 @@
 #include <epoxy/gl.h>
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
-#include "grid/io_lobes.h"
+#include "grid/base/error.h"
+#include "grid/io/lobes.h"
 #include "runtime/lobes.h"
 #include "tests/runtime_twin.h"
 

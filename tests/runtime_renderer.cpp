@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "runtime/gl_check.h"
 #include "runtime/renderer.h"
 #include "tests/runtime_twin.h"

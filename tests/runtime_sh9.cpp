@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "runtime/sh9.h"
 #include "runtime/shader_source.h"
 #include "tests/runtime_twin.h"

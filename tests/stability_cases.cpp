@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tools/stability/stability.h"
 
 namespace ivory {

@@ -14,7 +14,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/types.h"
+#include "grid/base/types.h"
 #include "tracer/gltf_loader.h"
 #include "tracer/scene.h"
 

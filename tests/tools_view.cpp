@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "grid/types.h"
+#include "grid/base/types.h"
 #include "tests/command_test.h"
 #include "tests/gltf_builder.h"
 #include "tracer/image_compare.h"

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tests/command_test.h"
 #include "tools/view/controls.h"
 #include "tools/view/drag.h"

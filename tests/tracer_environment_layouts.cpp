@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "grid/cube_from_latlong.h"
-#include "grid/error.h"
+#include "grid/base/error.h"
+#include "grid/env/cube_from_latlong.h"
 #include "tests/environment_pictures.h"
 #include "tests/scene_check.h"
 #include "tracer/environment.h"

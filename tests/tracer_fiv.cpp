@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include "grid/error.h"
-#include "grid/fiv_light.h"
+#include "grid/base/error.h"
+#include "grid/fiv/light.h"
 #include "tools/stability/fiv_shapes.h"
 #include "tracer/fiv_baker.h"
 #include "tracer/fiv_directions.h"

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/fiv_light.h"
+#include "grid/fiv/light.h"
 #include "tools/stability/fiv_shapes.h"
 #include "tracer/fiv_baker.h"
 #include "tracer/fiv_fit.h"

@@ -1,7 +1,7 @@
 // The occluder that a table is baked from, and finding it again in a scene.
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tools/stability/fiv_shapes.h"
 #include "tracer/fiv_occluder.h"
 #include "tracer/sphere_light.h"

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tests/gltf_check.h"
 #include "tests/world_triangles.h"
 

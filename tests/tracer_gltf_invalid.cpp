@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tests/scene_check.h"
 #include "tracer/gltf_loader.h"
 

@@ -5,7 +5,7 @@
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tests/gltf_check.h"
 #include "tracer/texture.h"
 

@@ -6,7 +6,7 @@
 #include <sys/resource.h>
 #include <zlib.h>
 
-#include "grid/memory.h"
+#include "grid/base/memory.h"
 #include "tests/gltf_check.h"
 #include "tracer/gltf_materials.h"
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tools/stability/fiv_shapes.h"
 #include "tracer/grid_baker.h"
 

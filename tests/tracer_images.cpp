@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tracer/camera.h"
 #include "tracer/environment.h"
 #include "tracer/image_compare.h"

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tests/lights_check.h"
 #include "tracer/alias_table.h"
 #include "tracer/environment.h"

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tests/gltf_builder.h"
 #include "tests/statistics.h"
 #include "tools/stability/scene_builder.h"

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tests/lit_scene.h"
 #include "tools/stability/fiv_shapes.h"
 #include "tracer/photon_map.h"

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tools/stability/scene_builder.h"
 #include "tracer/sphere_fit.h"
 #include "tracer/sphere_light.h"

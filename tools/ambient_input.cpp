@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "grid/error.h"
-#include "grid/io_difmap.h"
-#include "grid/io_sh9.h"
+#include "grid/base/error.h"
+#include "grid/io/difmap.h"
+#include "grid/io/sh9.h"
 #include "tracer/irradiance_baker.h"
 
 namespace ivory {

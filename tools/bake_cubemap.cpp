@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "grid/captured_cube.h"
-#include "grid/error.h"
-#include "grid/io_localized_cube.h"
+#include "grid/base/error.h"
+#include "grid/cubemap/captured.h"
+#include "grid/io/cubemap.h"
 #include "tools/commands.h"
 #include "tools/common.h"
 #include "tools/dynamic_objects.h"

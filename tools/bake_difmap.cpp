@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "grid/error.h"
-#include "grid/io_difmap.h"
+#include "grid/base/error.h"
+#include "grid/io/difmap.h"
 #include "tools/commands.h"
 #include "tools/common.h"
 #include "tools/environment_input.h"

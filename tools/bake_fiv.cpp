@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "grid/error.h"
-#include "grid/io_fiv.h"
-#include "grid/memory.h"
+#include "grid/base/error.h"
+#include "grid/base/memory.h"
+#include "grid/io/fiv.h"
 #include "tools/commands.h"
 #include "tools/common.h"
 #include "tools/environment_input.h"

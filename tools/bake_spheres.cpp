@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "grid/error.h"
-#include "grid/io_spheres.h"
+#include "grid/base/error.h"
+#include "grid/io/sphere_set.h"
 #include "tools/commands.h"
 #include "tools/common.h"
 #include "tools/scene_input.h"

@@ -13,7 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tools/commands.h"
 #include "tools/common.h"
 

@@ -15,7 +15,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "grid/types.h"
+#include "grid/base/types.h"
 
 namespace CLI {
 class App;

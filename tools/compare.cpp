@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tools/commands.h"
 #include "tools/common.h"
 #include "tracer/image_compare.h"

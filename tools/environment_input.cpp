@@ -4,7 +4,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "grid/io_file.h"
+#include "grid/io/file.h"
 
 namespace ivory {
 

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "grid/environment_layout.h"
-#include "grid/metadata.h"
+#include "grid/base/metadata.h"
+#include "grid/env/layout.h"
 #include "tracer/environment_image.h"
 
 namespace CLI {

@@ -4,12 +4,12 @@
 #include <filesystem>
 #include <utility>
 
-#include "grid/error.h"
-#include "grid/io_exr.h"
-#include "grid/io_file.h"
-#include "grid/io_lobes.h"
-#include "grid/io_sh9.h"
-#include "grid/io_spheres.h"
+#include "grid/base/error.h"
+#include "grid/io/exr.h"
+#include "grid/io/file.h"
+#include "grid/io/lobes.h"
+#include "grid/io/sh9.h"
+#include "grid/io/sphere_set.h"
 #include "tools/scene_input.h"
 
 namespace ivory {

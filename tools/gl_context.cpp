@@ -7,7 +7,7 @@
 #include <epoxy/egl.h>
 #include <epoxy/gl.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 
 namespace ivory {
 

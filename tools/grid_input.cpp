@@ -3,8 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "grid/error.h"
-#include "grid/io_vdb.h"
+#include "grid/base/error.h"
+#include "grid/io/vdb/vdb.h"
 
 namespace ivory {
 

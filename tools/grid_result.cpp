@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "grid/io_vdb.h"
+#include "grid/io/vdb/vdb.h"
 
 namespace ivory {
 

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "grid/sums.h"
+#include "grid/field/accumulator.h"
 #include "tools/common.h"
 
 namespace ivory {

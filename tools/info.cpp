@@ -7,12 +7,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "grid/io_difmap.h"
-#include "grid/io_exr.h"
-#include "grid/io_image_info.h"
-#include "grid/io_sh9.h"
-#include "grid/io_spheres.h"
-#include "grid/io_vdb.h"
+#include "grid/io/difmap.h"
+#include "grid/io/exr.h"
+#include "grid/io/image_info.h"
+#include "grid/io/sh9.h"
+#include "grid/io/sphere_set.h"
+#include "grid/io/vdb/vdb.h"
 #include "tools/commands.h"
 #include "tools/common.h"
 #include "tools/file_kind.h"

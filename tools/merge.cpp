@@ -5,8 +5,8 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "grid/error.h"
-#include "grid/io_vdb.h"
+#include "grid/base/error.h"
+#include "grid/io/vdb/vdb.h"
 #include "tools/commands.h"
 #include "tools/common.h"
 #include "tools/grid_result.h"

@@ -11,8 +11,8 @@
 
 #include <fmt/format.h>
 
-#include "grid/error.h"
-#include "grid/io_file.h"
+#include "grid/base/error.h"
+#include "grid/io/file.h"
 
 namespace ivory {
 

@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include "grid/cube_reader.h"
-#include "grid/error.h"
-#include "grid/io_exr.h"
-#include "grid/io_localized_cube.h"
+#include "grid/base/error.h"
+#include "grid/cubemap/reader.h"
+#include "grid/io/cubemap.h"
+#include "grid/io/exr.h"
 #include "tools/probe_source.h"
 
 namespace ivory {

@@ -4,9 +4,9 @@
 
 #include <tbb/parallel_for.h>
 
-#include "grid/error.h"
-#include "grid/io_difmap.h"
-#include "grid/io_sh9.h"
+#include "grid/base/error.h"
+#include "grid/io/difmap.h"
+#include "grid/io/sh9.h"
 #include "tools/file_kind.h"
 #include "tools/probe_source.h"
 #include "tracer/irradiance_sum.h"

@@ -4,9 +4,9 @@
 #include <CLI/CLI.hpp>
 #include <tbb/parallel_for.h>
 
-#include "grid/error.h"
-#include "grid/io_exr.h"
-#include "grid/io_fiv.h"
+#include "grid/base/error.h"
+#include "grid/io/exr.h"
+#include "grid/io/fiv.h"
 #include "tools/probe_source.h"
 
 namespace ivory {

@@ -6,9 +6,9 @@
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
-#include "grid/error.h"
-#include "grid/io_file.h"
-#include "grid/io_vdb.h"
+#include "grid/base/error.h"
+#include "grid/io/file.h"
+#include "grid/io/vdb/vdb.h"
 #include "tools/probe_source.h"
 #include "tools/scene_input.h"
 #include "tracer/guard_rays.h"

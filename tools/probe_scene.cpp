@@ -3,7 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tools/probe_source.h"
 #include "tools/scene_input.h"
 #include "tracer/probe.h"

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "grid/metadata.h"
+#include "grid/base/metadata.h"
 #include "tools/common.h"
 #include "tools/points_csv.h"
 

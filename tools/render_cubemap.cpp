@@ -5,8 +5,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "grid/error.h"
-#include "grid/io_localized_cube.h"
+#include "grid/base/error.h"
+#include "grid/io/cubemap.h"
 #include "tools/grid_input.h"
 #include "tools/render_method.h"
 #include "tracer/object_light.h"

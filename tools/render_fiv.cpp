@@ -6,8 +6,8 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "grid/error.h"
-#include "grid/io_fiv.h"
+#include "grid/base/error.h"
+#include "grid/io/fiv.h"
 #include "tools/ambient_input.h"
 #include "tools/dynamic_objects.h"
 #include "tools/render_method.h"

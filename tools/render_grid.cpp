@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tools/grid_input.h"
 #include "tools/render_method.h"
 #include "tracer/final_gather.h"

@@ -4,9 +4,9 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "grid/error.h"
-#include "grid/io_lobes.h"
-#include "grid/io_spheres.h"
+#include "grid/base/error.h"
+#include "grid/io/lobes.h"
+#include "grid/io/sphere_set.h"
 #include "tools/render_method.h"
 #include "tracer/lobe_direct.h"
 

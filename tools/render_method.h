@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "grid/metadata.h"
+#include "grid/base/metadata.h"
 #include "tools/scene_input.h"
 #include "tracer/film.h"
 #include "tracer/render.h"

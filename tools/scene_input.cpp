@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
-#include "grid/error.h"
-#include "grid/io_file.h"
+#include "grid/base/error.h"
+#include "grid/io/file.h"
 #include "tracer/gltf_loader.h"
 
 namespace ivory {

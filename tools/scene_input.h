@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "grid/metadata.h"
+#include "grid/base/metadata.h"
 #include "tools/common.h"
 #include "tools/environment_input.h"
 #include "tracer/intersector.h"

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "grid/types.h"
+#include "grid/base/types.h"
 
 namespace ivory {
 

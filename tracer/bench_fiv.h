@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "grid/fiv_light.h"
+#include "grid/fiv/light.h"
 #include "tracer/fiv_baker.h"
 
 namespace ivory {

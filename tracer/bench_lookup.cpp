@@ -5,7 +5,7 @@
 
 #include <time.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tracer/guard_rays.h"
 #include "tracer/sampler.h"
 

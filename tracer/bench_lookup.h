@@ -1,7 +1,7 @@
 // What a look-up of E(p, n) in a grid costs, with each leak guard.
 #pragma once
 
-#include "grid/irradiance_grid.h"
+#include "grid/field/irradiance_grid.h"
 #include "tracer/intersector.h"
 
 namespace ivory {

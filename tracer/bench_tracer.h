@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "grid/sums.h"
+#include "grid/field/accumulator.h"
 #include "tracer/intersector.h"
 #include "tracer/lights.h"
 

@@ -4,7 +4,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 
 namespace ivory {
 

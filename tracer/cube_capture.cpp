@@ -7,7 +7,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include "grid/memory.h"
+#include "grid/base/memory.h"
 #include "tracer/path_tracer.h"
 #include "tracer/surface.h"
 

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "grid/captured_cube.h"
+#include "grid/cubemap/captured.h"
 #include "tracer/final_gather.h"
 
 namespace ivory {

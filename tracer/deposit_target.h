@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "grid/sums.h"
+#include "grid/field/accumulator.h"
 #include "tracer/photon_tracer.h"
 
 namespace ivory {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "grid/cube_from_latlong.h"
+#include "grid/env/cube_from_latlong.h"
 #include "tracer/environment_image.h"
 
 namespace ivory {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "grid/cube_map.h"
-#include "grid/environment_layout.h"
+#include "grid/env/cube_map.h"
+#include "grid/env/layout.h"
 #include "tracer/scene.h"
 
 namespace ivory {
@@ -18,7 +18,7 @@ EnvironmentMap load_environment(const std::string& path, std::optional<Environme
 // so that sampling and evaluation agree exactly).
 Rgb eval(const EnvironmentMap& environment, const V3f& w);
 
-// The map averaged over the texels of a cube by exact common areas (grid/cube_from_latlong.h): the flux
+// The map averaged over the texels of a cube by exact common areas (grid/env/cube_from_latlong.h): the flux
 // through any set of cube texels is kept to the rounding of floats. size >= 1.
 CubeMap cube_from_environment(const EnvironmentMap& environment, int size);
 

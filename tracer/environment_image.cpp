@@ -6,8 +6,8 @@
 
 #include <OpenImageIO/imageio.h>
 
-#include "grid/error.h"
-#include "grid/memory.h"
+#include "grid/base/error.h"
+#include "grid/base/memory.h"
 
 namespace ivory {
 

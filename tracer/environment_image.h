@@ -5,9 +5,9 @@
 #include <string>
 #include <variant>
 
-#include "grid/angular_map.h"
-#include "grid/cube_map.h"
-#include "grid/environment_layout.h"
+#include "grid/env/angular_map.h"
+#include "grid/env/cube_map.h"
+#include "grid/env/layout.h"
 #include "tracer/scene.h"
 
 namespace ivory {

@@ -5,7 +5,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "grid/radiance_moments.h"
+#include "grid/env/moments.h"
 #include "tracer/environment_image.h"
 
 namespace ivory {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "grid/types.h"
+#include "grid/base/types.h"
 
 namespace ivory {
 

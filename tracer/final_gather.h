@@ -4,7 +4,7 @@
 
 #include <functional>
 
-#include "grid/irradiance_grid.h"
+#include "grid/field/irradiance_grid.h"
 #include "tracer/direct_light.h"
 #include "tracer/render.h"
 

@@ -1,10 +1,10 @@
-// Baking FIV occluder tables (grid/fiv_table.h).
+// Baking FIV occluder tables (grid/fiv/table.h).
 #pragma once
 
 #include <functional>
 
-#include "grid/cube_map.h"
-#include "grid/fiv_table.h"
+#include "grid/env/cube_map.h"
+#include "grid/fiv/table.h"
 #include "tracer/fiv_occluder.h"
 
 namespace ivory {

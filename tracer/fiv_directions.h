@@ -4,8 +4,8 @@
 #include <array>
 #include <vector>
 
-#include "grid/cube_map.h"
-#include "grid/fiv_table.h"
+#include "grid/env/cube_map.h"
+#include "grid/fiv/table.h"
 
 namespace ivory {
 

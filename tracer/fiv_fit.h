@@ -7,7 +7,7 @@
 
 #include <vector>
 
-#include "grid/fiv_table.h"
+#include "grid/fiv/table.h"
 
 namespace ivory {
 

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "grid/fiv_table.h"
+#include "grid/fiv/table.h"
 #include "tracer/intersector.h"
 
 namespace ivory {

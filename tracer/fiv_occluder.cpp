@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 
 namespace ivory {
 

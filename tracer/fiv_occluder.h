@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "grid/fiv_light.h"
+#include "grid/fiv/light.h"
 #include "tracer/scene.h"
 
 namespace ivory {

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "grid/fiv_light.h"
+#include "grid/fiv/light.h"
 #include "tracer/lights.h"
 #include "tracer/render.h"
 

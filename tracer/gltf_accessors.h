@@ -1,7 +1,7 @@
 // Typed reading of accessors: strided, normalised, sparse. Private to the loader.
 #pragma once
 
-#include "grid/types.h"
+#include "grid/base/types.h"
 #include "tracer/gltf_document.h"
 
 namespace ivory::gltf {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 
 namespace ivory::gltf {
 namespace {

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "grid/lobe.h"
+#include "grid/lobes/lobe.h"
 
 namespace ivory::gltf {
 

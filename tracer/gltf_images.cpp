@@ -8,7 +8,7 @@
 #include <tbb/task_arena.h>
 #include <zlib.h>
 
-#include "grid/memory.h"
+#include "grid/base/memory.h"
 #include "tracer/gltf_materials.h"
 
 namespace ivory::gltf {

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "grid/memory.h"
+#include "grid/base/memory.h"
 #include "tracer/gltf_accessors.h"
 #include "tracer/gltf_extras.h"
 #include "tracer/sphere_light.h"

@@ -11,8 +11,8 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include "grid/error.h"
-#include "grid/memory.h"
+#include "grid/base/error.h"
+#include "grid/base/memory.h"
 #include "tracer/guard_fit.h"
 #include "tracer/kept_vertices.h"
 #include "tracer/lit_vertices.h"

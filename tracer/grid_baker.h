@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "grid/sums.h"
+#include "grid/field/accumulator.h"
 #include "tracer/intersector.h"
 #include "tracer/lights.h"
 

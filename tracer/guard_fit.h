@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "grid/guard.h"
+#include "grid/field/guard.h"
 #include "tracer/intersector.h"
 
 namespace ivory {

@@ -4,7 +4,7 @@
 #include <array>
 #include <cassert>
 
-#include "grid/grid_lookup.h"
+#include "grid/field/lookup.h"
 #include "tracer/surface.h"
 
 namespace ivory {

@@ -1,13 +1,13 @@
 // E(p, n) from a grid with leaks kept out: by rays to its vertices where the scene is at hand, by
-// the compact guard stored in the file otherwise (grid/grid_lookup.h).
+// the compact guard stored in the file otherwise (grid/field/lookup.h).
 #pragma once
 
-#include "grid/irradiance_grid.h"
+#include "grid/field/irradiance_grid.h"
 #include "tracer/intersector.h"
 
 namespace ivory {
 
-// As the functions of the same name in grid/grid_lookup.h, for every guard. With rays, p is nudged no farther than
+// As the functions of the same name in grid/field/lookup.h, for every guard. With rays, p is nudged no farther than
 // halfway to whatever stands in front of it. `intersector` may be null unless guard is rays.
 Footprint lookup_footprint(const IrradianceGrid& grid, const Intersector* intersector, Guard guard, const V3f& p,
                            const V3f& ng, const LookupParams& params);

@@ -9,9 +9,9 @@
 
 #include <OpenImageIO/imageio.h>
 
-#include "grid/error.h"
-#include "grid/io_file.h"
-#include "grid/memory.h"
+#include "grid/base/error.h"
+#include "grid/base/memory.h"
+#include "grid/io/file.h"
 
 namespace ivory {
 

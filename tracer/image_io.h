@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "grid/metadata.h"
+#include "grid/base/metadata.h"
 #include "tracer/film.h"
 
 namespace ivory {

@@ -8,7 +8,7 @@
 
 #include <embree3/rtcore.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tracer/surface.h"
 
 namespace ivory {

@@ -1,14 +1,14 @@
 // What an environment's light amounts to on surfaces: its moments, and its irradiance for every normal.
 #pragma once
 
-#include "grid/difmap.h"
-#include "grid/irradiance_tree.h"
-#include "grid/radiance_moments.h"
+#include "grid/env/difmap.h"
+#include "grid/env/irradiance_tree.h"
+#include "grid/env/moments.h"
 #include "tracer/environment_image.h"
 
 namespace ivory {
 
-// One pass over the texels, each integrated exactly (see grid/radiance_moments.h) in the layout that the file
+// One pass over the texels, each integrated exactly (see grid/env/moments.h) in the layout that the file
 // has. On all of TBB's threads; the sums run in a fixed order, so the bits do not depend on their number.
 RadianceMoments radiance_moments(const EnvironmentImage& image);
 

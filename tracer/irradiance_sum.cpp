@@ -7,7 +7,7 @@
 
 #include <tbb/parallel_for.h>
 
-#include "grid/radiance_moments.h"
+#include "grid/env/moments.h"
 
 // E(n) = sum over texels of L  integral over the texel of max(0, n.w) dw.
 //

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tracer/alias_table.h"
 #include "tracer/environment.h"
 #include "tracer/lights_environment.h"

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "grid/irradiance_grid.h"
+#include "grid/field/irradiance_grid.h"
 #include "tracer/photon_tracer.h"
 
 namespace ivory {

@@ -1,7 +1,7 @@
 // A surface's reflectance made of cosine lobes: Lambert, the modified Phong model, Lafortune's.
 #pragma once
 
-#include "grid/lobe_light.h"
+#include "grid/lobes/light.h"
 #include "tracer/surface.h"
 
 namespace ivory {

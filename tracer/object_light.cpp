@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "grid/cube_reader.h"
+#include "grid/cubemap/reader.h"
 #include "tracer/path_tracer.h"
 
 // At a point x of an object, seen from wo,

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "grid/localized_cube.h"
+#include "grid/cubemap/localized.h"
 #include "tracer/final_gather.h"
 
 namespace ivory {

@@ -15,8 +15,8 @@
 #include <tbb/parallel_sort.h>
 #include <tbb/task_arena.h>
 
-#include "grid/error.h"
-#include "grid/memory.h"
+#include "grid/base/error.h"
+#include "grid/base/memory.h"
 #include "tracer/photon_tracer.h"
 
 // Where photons of power Phi_i land on a surface like rain, E is their density: with r the distance to the K-th

@@ -6,7 +6,7 @@
 #include <array>
 #include <cstdint>
 
-#include "grid/types.h"
+#include "grid/base/types.h"
 #include "tracer/low_discrepancy.h"
 
 namespace ivory {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "grid/types.h"
+#include "grid/base/types.h"
 
 namespace ivory {
 

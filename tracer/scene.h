@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "grid/types.h"
+#include "grid/base/types.h"
 
 namespace ivory {
 

@@ -8,7 +8,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tracer/ball_fit.h"
 #include "tracer/low_discrepancy.h"
 #include "tracer/mesh_orientation.h"

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "grid/sphere_set.h"
+#include "grid/lobes/sphere_set.h"
 #include "tracer/scene.h"
 
 namespace ivory {

@@ -5,7 +5,7 @@
 #include <map>
 #include <utility>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 
 namespace ivory {
 

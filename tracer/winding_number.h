@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "grid/types.h"
+#include "grid/base/types.h"
 
 namespace ivory {
 

@@ -1,4 +1,6 @@
 // ivory bench cubemap: what reading E(p, n) from a localized cube map costs.
+#include "grid/io/cubemap.h"
+
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -10,8 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <time.h>
 
-#include "grid/cube_reader.h"
-#include "grid/io_localized_cube.h"
+#include "grid/cubemap/reader.h"
 #include "tools/commands.h"
 #include "tools/common.h"
 #include "tracer/sampler.h"

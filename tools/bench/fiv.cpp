@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tools/commands.h"
 #include "tools/common.h"
 #include "tools/environment_input.h"

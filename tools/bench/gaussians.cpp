@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "grid/lobe_table.h"
+#include "grid/lobes/table.h"
 #include "tools/commands.h"
 #include "tools/common.h"
 #include "tools/stability/scenes.h"

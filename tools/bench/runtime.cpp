@@ -11,8 +11,8 @@
 #include <time.h>
 #include <unistd.h>
 
-#include "grid/io_fiv.h"
-#include "grid/io_vdb.h"
+#include "grid/io/fiv.h"
+#include "grid/io/vdb/vdb.h"
 #include "runtime/fiv.h"
 #include "runtime/gl_check.h"
 #include "runtime/irradiance_grid.h"

@@ -3,12 +3,12 @@
 
 #include <vector>
 
-#include "grid/difmap.h"
-#include "grid/fiv_table.h"
-#include "grid/irradiance_grid.h"
-#include "grid/lobe_table.h"
-#include "grid/localized_cube.h"
-#include "grid/sphere_set.h"
+#include "grid/cubemap/localized.h"
+#include "grid/env/difmap.h"
+#include "grid/field/irradiance_grid.h"
+#include "grid/fiv/table.h"
+#include "grid/lobes/sphere_set.h"
+#include "grid/lobes/table.h"
 #include "tracer/fiv_occluder.h"
 #include "tracer/scene.h"
 

@@ -5,7 +5,7 @@
 #include <functional>
 #include <random>
 
-#include "grid/localized_cube.h"
+#include "grid/cubemap/localized.h"
 
 namespace ivory {
 

@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "grid/cube_map.h"
+#include "grid/env/cube_map.h"
 #include "tools/stability/scene_builder.h"
 
 namespace ivory {

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "grid/lobe_moments.h"
-#include "grid/lobe_table.h"
+#include "grid/lobes/moments.h"
+#include "grid/lobes/table.h"
 #include "tools/stability/gaussians.h"
 #include "tools/stability/scenes.h"
 #include "tools/stability/stability.h"

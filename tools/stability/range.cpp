@@ -6,10 +6,10 @@
 #include <optional>
 #include <span>
 
-#include "grid/fiv_light.h"
-#include "grid/half_float.h"
-#include "grid/lobe_light.h"
-#include "grid/localized_cube.h"
+#include "grid/base/half.h"
+#include "grid/cubemap/localized.h"
+#include "grid/fiv/light.h"
+#include "grid/lobes/light.h"
 #include "tools/stability/cube_builder.h"
 #include "tools/stability/fiv_shapes.h"
 #include "tools/stability/scenes.h"

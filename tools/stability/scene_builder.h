@@ -4,7 +4,7 @@
 #include <array>
 #include <string>
 
-#include "grid/irradiance_grid.h"
+#include "grid/field/irradiance_grid.h"
 #include "tracer/scene.h"
 
 namespace ivory {

@@ -1,6 +1,6 @@
 #include "tools/stability/stability.h"
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 
 namespace ivory {
 

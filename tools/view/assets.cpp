@@ -4,12 +4,12 @@
 #include <array>
 #include <filesystem>
 
-#include "grid/error.h"
-#include "grid/io_difmap.h"
-#include "grid/io_fiv.h"
-#include "grid/io_sh9.h"
-#include "grid/io_spheres.h"
-#include "grid/io_vdb.h"
+#include "grid/base/error.h"
+#include "grid/io/difmap.h"
+#include "grid/io/fiv.h"
+#include "grid/io/sh9.h"
+#include "grid/io/sphere_set.h"
+#include "grid/io/vdb/vdb.h"
 
 namespace ivory {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "grid/fiv_table.h"
+#include "grid/fiv/table.h"
 #include "runtime/difmap.h"
 #include "runtime/irradiance_grid.h"
 #include "runtime/lobes.h"

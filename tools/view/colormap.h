@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "grid/types.h"
+#include "grid/base/types.h"
 
 namespace ivory {
 

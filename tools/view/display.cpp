@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tools/view/target.h"
 
 namespace ivory {

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "grid/types.h"
+#include "grid/base/types.h"
 #include "tracer/camera.h"
 
 namespace ivory {

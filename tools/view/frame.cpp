@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tools/view/debug.h"
 
 namespace ivory {

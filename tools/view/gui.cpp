@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tools/common.h"
 
 namespace ivory {

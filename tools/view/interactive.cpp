@@ -9,7 +9,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tools/gl_context.h"
 #include "tools/view/controls.h"
 #include "tools/view/gui.h"

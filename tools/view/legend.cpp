@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 
 namespace ivory {
 

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tools/view/debug.h"
 #include "tools/view/session.h"
 

@@ -1,6 +1,6 @@
 #include "tools/view/occluders.h"
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tracer/fiv_occluder.h"
 
 namespace ivory {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "runtime/gl_check.h"
 
 namespace ivory {

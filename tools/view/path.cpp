@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tools/common.h"
 
 namespace ivory {

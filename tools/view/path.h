@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "grid/types.h"
+#include "grid/base/types.h"
 
 namespace ivory {
 

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tools/view/debug.h"
 #include "tools/view/view.h"
 #include "tracer/image_io.h"

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "tools/dynamic_objects.h"
 #include "tracer/camera.h"
 #include "tracer/gltf_loader.h"

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 
 namespace ivory {
 

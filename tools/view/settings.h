@@ -5,10 +5,10 @@
 #include <optional>
 #include <string_view>
 
-#include "grid/fiv_light.h"
-#include "grid/irradiance_grid.h"
-#include "grid/lobe_light.h"
-#include "grid/localized_cube.h"
+#include "grid/cubemap/localized.h"
+#include "grid/field/irradiance_grid.h"
+#include "grid/fiv/light.h"
+#include "grid/lobes/light.h"
 #include "tools/view/display.h"
 
 namespace ivory {

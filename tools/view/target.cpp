@@ -1,6 +1,6 @@
 #include "tools/view/target.h"
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 #include "runtime/gl_check.h"
 
 namespace ivory {

@@ -11,7 +11,7 @@
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 
 namespace ivory {
 

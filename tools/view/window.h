@@ -5,7 +5,7 @@
 #include <variant>
 #include <vector>
 
-#include "grid/types.h"
+#include "grid/base/types.h"
 #include "tracer/image_io.h"
 
 struct GLFWwindow;

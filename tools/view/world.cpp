@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "grid/error.h"
+#include "grid/base/error.h"
 
 namespace ivory {
 

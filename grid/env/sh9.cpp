@@ -1,0 +1,280 @@
+#include "grid/env/sh9.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "grid/base/error.h"
+
+namespace ivory {
+
+namespace {
+
+constexpr double pi_d = 3.14159265358979323846;
+
+// Eq. 3: sqrt(1/(4 pi)), sqrt(3/(4 pi)), sqrt(15/(4 pi)), sqrt(5/(16 pi)), sqrt(15/(16 pi)).
+constexpr double y0 = 0.28209479177387814;
+constexpr double y1 = 0.48860251190291992;
+constexpr double y2 = 1.09254843059207907;
+constexpr double y20 = 0.31539156525252001;
+constexpr double y22 = 0.54627421529603953;
+
+// The factor of each basis function, and the clamped cosine's coefficient of its band (eq. 9).
+constexpr std::array<double, 9> basis_factor{y0, y1, y1, y1, y2, y2, y20, y2, y22};
+constexpr std::array<double, 9> cosine{pi_d,     2 * pi_d / 3, 2 * pi_d / 3, 2 * pi_d / 3, pi_d / 4,
+                                       pi_d / 4, pi_d / 4,     pi_d / 4,     pi_d / 4};
+constexpr int band(std::size_t i) { return i == 0 ? 0 : (i < 4 ? 1 : 2); }
+
+// Eigenvalues and eigenvectors (columns of v) of a symmetric matrix, by Jacobi rotations.
+void diagonalise(double a[3][3], double v[3][3]) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) v[i][j] = i == j ? 1 : 0;
+  for (int sweep = 0; sweep < 30; ++sweep) {
+    for (int p = 0; p < 2; ++p) {
+      for (int q = p + 1; q < 3; ++q) {
+        if (a[p][q] == 0) continue;
+        const double angle = 0.5 * std::atan2(2 * a[p][q], a[q][q] - a[p][p]);
+        const double c = std::cos(angle);
+        const double s = std::sin(angle);
+        for (int k = 0; k < 3; ++k) {
+          const double x = a[k][p];
+          const double y = a[k][q];
+          a[k][p] = c * x - s * y;
+          a[k][q] = s * x + c * y;
+        }
+        for (int k = 0; k < 3; ++k) {
+          const double x = a[p][k];
+          const double y = a[q][k];
+          a[p][k] = c * x - s * y;
+          a[q][k] = s * x + c * y;
+        }
+        for (int k = 0; k < 3; ++k) {
+          const double x = v[k][p];
+          const double y = v[k][q];
+          v[k][p] = c * x - s * y;
+          v[k][q] = s * x + c * y;
+        }
+      }
+    }
+  }
+}
+
+// min of n A n + 2 b n + c over the unit sphere. In A's own axes a Lagrange multiplier m gives
+// n_i = -b_i / (a_i - m); the minimum is where m <= min a_i and |n| = 1. |n| grows with m, so bisection finds
+// it; where b has no part along the least axis and |n| stays below one, the rest lies along that axis.
+double least_on_sphere(double a[3][3], const double b[3], double c) {
+  double v[3][3];
+  diagonalise(a, v);
+  const std::array<double, 3> value{a[0][0], a[1][1], a[2][2]};
+  std::array<double, 3> part{};
+  double length = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t k = 0; k < 3; ++k) part[i] += v[k][i] * b[k];
+    length += part[i] * part[i];
+  }
+  length = std::sqrt(length);
+  const double least = std::min({value[0], value[1], value[2]});
+  // At m = least - |b| |n| is at most one; at `least` it is infinite, or the hard case.
+  double low = least - length;
+  double high = least;
+  const auto norm2 = [&](double m) {
+    double sum = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (part[i] != 0) sum += (part[i] / (value[i] - m)) * (part[i] / (value[i] - m));
+    }
+    return sum;
+  };
+  for (int i = 0; i < 200; ++i) {
+    const double m = 0.5 * (low + high);
+    if (m <= low || m >= high) break;
+    (norm2(m) < 1 ? low : high) = m;
+  }
+  // Dual value: c + m - sum of b_i^2 / (a_i - m); equal to the minimum, and off by the square of m's error only.
+  double result = c + low;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (part[i] != 0 && value[i] > low) result -= part[i] * part[i] / (value[i] - low);
+  }
+  return result;
+}
+
+}  // namespace
+
+Sh9 sh9_from_moments(const RadianceMoments& m) {
+  Sh9 sh;
+  sh.coefficients = {m.total * y0,
+                     m.first[1] * y1,
+                     m.first[2] * y1,
+                     m.first[0] * y1,
+                     m.second[3] * y2,
+                     m.second[4] * y2,
+                     (m.second[2] * 3 - m.total) * y20,
+                     m.second[5] * y2,
+                     (m.second[0] - m.second[1]) * y22};
+  return sh;
+}
+
+Sh9 truncated(const Sh9& sh, int order) {
+  Sh9 out;
+  for (std::size_t i = 0; i < 9; ++i) {
+    if (band(i) <= order) out.coefficients[i] = sh.coefficients[i];
+  }
+  return out;
+}
+
+V3d irradiance_polynomial(const Sh9& sh, const V3d& n) {
+  const std::array<double, 9> polynomial{
+      1, n.y, n.z, n.x, n.x * n.y, n.y * n.z, 3 * n.z * n.z - 1, n.x * n.z, n.x * n.x - n.y * n.y};
+  V3d sum(0, 0, 0);
+  for (std::size_t i = 0; i < 9; ++i) sum += sh.coefficients[i] * (cosine[i] * basis_factor[i] * polynomial[i]);
+  return sum;
+}
+
+// Eq. 12; its constants are c1 = pi/4 y22, c2 = pi/3 y1, c3 = 3 pi/4 y20, c4 = pi y0, c5 = pi/4 y20.
+Sh9Matrices sh9_matrices(const Sh9& sh) {
+  constexpr double c1 = pi_d / 4 * y22;
+  constexpr double c2 = pi_d / 3 * y1;
+  constexpr double c3 = 3 * pi_d / 4 * y20;
+  constexpr double c4 = pi_d * y0;
+  constexpr double c5 = pi_d / 4 * y20;
+  Sh9Matrices out{};
+  for (std::size_t channel = 0; channel < 3; ++channel) {
+    const auto l = [&](std::size_t i) { return sh.coefficients[i][unsigned(channel)]; };
+    const double xx = c1 * l(8);
+    const double xy = c1 * l(4);
+    const double xz = c1 * l(7);
+    const double yz = c1 * l(5);
+    const double zz = c3 * l(6);
+    const double x = c2 * l(3);
+    const double y = c2 * l(1);
+    const double z = c2 * l(2);
+    out[channel] = {xx, xy, xz, x, xy, -xx, yz, y, xz, yz, zz, z, x, y, z, c4 * l(0) - c5 * l(6)};
+  }
+  return out;
+}
+
+Sh9MatricesF to_float(const Sh9Matrices& matrices) {
+  Sh9MatricesF out{};
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t i = 0; i < 16; ++i) out[c][i] = float(matrices[c][i]);
+  return out;
+}
+
+Rgb irradiance(const Sh9MatricesF& matrices, const V3f& n) {
+  Rgb e;
+  for (unsigned c = 0; c < 3; ++c) {
+    const auto& m = matrices[c];
+    const float x = m[0] * n.x + m[1] * n.y + m[2] * n.z + m[3];
+    const float y = m[4] * n.x + m[5] * n.y + m[6] * n.z + m[7];
+    const float z = m[8] * n.x + m[9] * n.y + m[10] * n.z + m[11];
+    const float w = m[12] * n.x + m[13] * n.y + m[14] * n.z + m[15];
+    e[c] = std::max(0.0F, x * n.x + y * n.y + z * n.z + w);
+  }
+  return e;
+}
+
+V3d minimum_irradiance(const Sh9& sh) {
+  const Sh9Matrices matrices = sh9_matrices(sh);
+  V3d out;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const auto& m = matrices[c];
+    double a[3][3] = {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}};
+    const double b[3] = {m[3], m[7], m[11]};
+    out[int(c)] = least_on_sphere(a, b, m[15]);
+  }
+  return out;
+}
+
+Sh9 windowed(const Sh9& sh, const Sh9Window& window) {
+  Sh9 out = sh;
+  for (std::size_t i = 1; i < 9; ++i) out.coefficients[i] *= band(i) == 1 ? window.band1 : window.band2;
+  return out;
+}
+
+Sh9Window hann_window(double width) {
+  return {0.5 * (1 + std::cos(pi_d / width)), 0.5 * (1 + std::cos(2 * pi_d / width))};
+}
+
+// The polynomials that are nowhere negative form a convex set, and for light that is nowhere negative it holds band 0
+// with any part of band 2 (one directional light gives at least 1/4 - 5/32): so for each factor of band 2 the good
+// factors of band 1 reach from 0 up to a largest one, which bisection finds. The change in mean square is
+// (1 - band1)^2 P_1 + (1 - band2)^2 P_2 with P_l the power of band l; what is left is a search along one line.
+Sh9Window least_window(const Sh9& sh) {
+  const auto fits = [&](const Sh9Window& window) {
+    const V3d least = minimum_irradiance(windowed(sh, window));
+    for (int c = 0; c < 3; ++c) {
+      if (least[c] < -1e-12 * std::abs(sh.coefficients[0][c])) return false;  // rounding of sums of that size
+    }
+    return true;
+  };
+  if (fits({})) return {};
+  double power1 = 0;
+  double power2 = 0;
+  for (std::size_t i = 1; i < 9; ++i) {
+    for (int c = 0; c < 3; ++c) {
+      if (sh.coefficients[0][c] == 0) continue;
+      const double e = cosine[i] * sh.coefficients[i][c] / (cosine[0] * sh.coefficients[0][c]);
+      (band(i) == 1 ? power1 : power2) += e * e;
+    }
+  }
+  const auto best_with = [&](double band2) {
+    double good = 0;
+    double bad = 1;
+    if (fits({1, band2})) return Sh9Window{1, band2};
+    for (int i = 0; i < 40; ++i) {
+      const double middle = 0.5 * (good + bad);
+      (fits({middle, band2}) ? good : bad) = middle;
+    }
+    return Sh9Window{good, band2};
+  };
+  const auto change = [&](const Sh9Window& window) {
+    return (1 - window.band1) * (1 - window.band1) * power1 + (1 - window.band2) * (1 - window.band2) * power2;
+  };
+  constexpr int steps = 32;
+  Sh9Window best = best_with(1);
+  double spacing = 1.0 / steps;
+  for (int i = steps; i-- > 0;) {
+    const Sh9Window window = best_with(double(i) / steps);
+    if (change(window) < change(best)) best = window;
+  }
+  for (; spacing > 1e-6; spacing /= 2) {
+    for (const double step : {-0.5, 0.5}) {
+      const Sh9Window window = best_with(std::clamp(best.band2 + step * spacing, 0.0, 1.0));
+      if (change(window) < change(best)) best = window;
+    }
+  }
+  return best;
+}
+
+std::string_view name(Sh9Dialect dialect) {
+  switch (dialect) {
+    case Sh9Dialect::ivory:
+      return "ivory";
+    case Sh9Dialect::filament:
+      return "filament";
+    case Sh9Dialect::three_js:
+      return "three.js";
+    case Sh9Dialect::ext_lights_image_based:
+      return "EXT_lights_image_based";
+  }
+  return "";
+}
+
+Sh9Dialect sh9_dialect_from_name(std::string_view text) {
+  for (const Sh9Dialect dialect :
+       {Sh9Dialect::ivory, Sh9Dialect::filament, Sh9Dialect::three_js, Sh9Dialect::ext_lights_image_based}) {
+    if (name(dialect) == text) return dialect;
+  }
+  throw UsageError("unknown dialect '" + std::string(text) +
+                   "'; one of ivory, filament, three.js, EXT_lights_image_based");
+}
+
+std::array<V3d, 9> in_dialect(const Sh9& sh, Sh9Dialect dialect) {
+  std::array<V3d, 9> out = sh.coefficients;
+  for (std::size_t i = 0; i < 9; ++i) {
+    if (dialect == Sh9Dialect::filament) out[i] *= cosine[i] * basis_factor[i] / pi_d;
+    if (dialect == Sh9Dialect::ext_lights_image_based) out[i] *= cosine[i];
+  }
+  return out;
+}
+
+}  // namespace ivory

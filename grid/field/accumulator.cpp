@@ -1,0 +1,111 @@
+#include "grid/field/accumulator.h"
+
+#include <algorithm>
+#include <numeric>
+#include <string>
+
+#include "grid/base/error.h"
+
+namespace ivory {
+
+std::string_view name(Estimator estimator) {
+  switch (estimator) {
+    case Estimator::track:
+      return "track";
+    case Estimator::face:
+      return "face";
+    case Estimator::face_paper:
+      return "face_paper";
+  }
+  return "";
+}
+
+Estimator estimator_from_name(std::string_view text) {
+  for (const Estimator estimator : {Estimator::track, Estimator::face, Estimator::face_paper}) {
+    if (name(estimator) == text) return estimator;
+  }
+  throw UsageError("unknown estimator '" + std::string(text) + "'; one of track, face, face_paper");
+}
+
+SumLayout sum_layout(Basis basis, Estimator estimator) {
+  if (estimator != Estimator::track) {
+    // A crossed face serves only the hemispheres around its own axis.
+    if (basis != Basis::vectors) {
+      throw UsageError("estimator '" + std::string(name(estimator)) + "' works with basis 'vectors' only, not '" +
+                       std::string(name(basis)) + "'");
+    }
+    return {6, 3};
+  }
+  if (basis == Basis::sh9 || basis == Basis::sh4) return {1, function_count(basis)};
+  return {8, 3};
+}
+
+namespace {
+
+bool same_frame(const GridFrame& a, const GridFrame& b) {
+  return a.size == b.size && a.origin_m == b.origin_m && a.spacing_m == b.spacing_m &&
+         a.local_to_world == b.local_to_world;
+}
+
+// What keeps two parts from being parts of one bake; empty where nothing does.
+std::string difference(const GridSums& a, const GridSums& b) {
+  for (const auto& [key, value] : a.metadata) {
+    const auto found = b.metadata.find(key);
+    if (found == b.metadata.end() || found->second != value) return key;
+  }
+  for (const auto& entry : b.metadata) {
+    if (!a.metadata.contains(entry.first)) return entry.first;
+  }
+  if (a.basis != b.basis) return "basis";
+  if (a.estimator != b.estimator) return "estimator";
+  if (!same_frame(a.frame, b.frame)) return "resolution or placement";
+  if (a.quantum != b.quantum || a.quantum_squared != b.quantum_squared) return "fixed-point unit";
+  // Of a ray along an edge two kinds of CPU may say different things: Embree has code of its own for each.
+  if (a.visible_fraction != b.visible_fraction || a.guard != b.guard)
+    return "what vertices see (parts must be baked on one kind of CPU)";
+  return {};
+}
+
+std::string range_text(const GridSums& part) {
+  return std::to_string(part.photon_begin) + ":" + std::to_string(part.photon_end);
+}
+
+}  // namespace
+
+GridSums merge(std::vector<GridSums> parts, const std::vector<std::string>& names) {
+  if (parts.empty()) throw UsageError("nothing to merge");
+  std::vector<std::size_t> order(parts.size());
+  std::iota(order.begin(), order.end(), std::size_t(0));
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return parts[a].photon_begin < parts[b].photon_begin; });
+
+  GridSums total = std::move(parts[order[0]]);
+  const std::string& first_name = names[order[0]];
+  for (std::size_t i = 1; i < order.size(); ++i) {
+    const GridSums& part = parts[order[i]];
+    const std::string& part_name = names[order[i]];
+    if (const std::string what = difference(total, part); !what.empty()) {
+      throw Error(part_name, what + " differs from that of " + first_name,
+                  "merge parts of one command that differ in --photon-range only");
+    }
+    if (part.photon_begin < total.photon_end) {
+      throw Error(part_name, "its photons " + range_text(part) + " overlap those of another part",
+                  "give each part once, with ranges that do not overlap");
+    }
+    if (part.photon_begin > total.photon_end) {
+      throw Error(part_name,
+                  "photons " + std::to_string(total.photon_end) + ":" + std::to_string(part.photon_begin) +
+                      " before it are missing",
+                  "bake that range and give it too");
+    }
+    for (std::size_t at = 0; at < total.sums.size(); ++at) {
+      if (__builtin_add_overflow(total.sums[at], part.sums[at], &total.sums[at]))
+        throw Error(part_name, "the sums exceed 64 bits", "merge fewer photons");
+    }
+    for (const auto& [key, value] : part.counters) total.counters[key] += value;
+    total.photon_end = part.photon_end;
+  }
+  return total;
+}
+
+}  // namespace ivory

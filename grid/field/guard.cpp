@@ -1,0 +1,104 @@
+#include "grid/field/guard.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace ivory {
+namespace {
+
+constexpr float normal_steps = 1023;
+constexpr float distance_range = 2;  // voxels; the far corner of the support is sqrt(3) away
+constexpr float distance_steps = 4095;
+
+float sign_not_zero(float x) { return x < 0 ? -1.0F : 1.0F; }
+
+}  // namespace
+
+// Octahedral mapping after Cigolle et al., "A Survey of Efficient Representations for Independent Unit
+// Vectors", JCGT 2014.
+std::uint32_t pack(const GuardPlane& plane) {
+  const V3f& n = plane.normal;
+  const float scale = 1 / (std::abs(n.x) + std::abs(n.y) + std::abs(n.z));
+  float x = n.x * scale;
+  float y = n.y * scale;
+  if (n.z < 0) {
+    const float folded = (1 - std::abs(y)) * sign_not_zero(x);
+    y = (1 - std::abs(x)) * sign_not_zero(y);
+    x = folded;
+  }
+  const auto quantise = [](float v, float steps) {
+    return static_cast<std::uint32_t>(std::lrint(std::clamp(v, 0.0F, 1.0F) * steps));
+  };
+  // Distance counts from one, which keeps the word from being zero.
+  const std::uint32_t distance =
+      1 + quantise((plane.distance + distance_range) / (2 * distance_range), distance_steps - 1);
+  return quantise(x * 0.5F + 0.5F, normal_steps) | quantise(y * 0.5F + 0.5F, normal_steps) << 10U | distance << 20U;
+}
+
+std::optional<GuardPlane> unpack(std::uint32_t word) {
+  if (word == 0) return std::nullopt;
+  float x = static_cast<float>(word & 1023U) / normal_steps * 2 - 1;
+  float y = static_cast<float>((word >> 10U) & 1023U) / normal_steps * 2 - 1;
+  const float z = 1 - std::abs(x) - std::abs(y);
+  if (z < 0) {
+    const float folded = (1 - std::abs(y)) * sign_not_zero(x);
+    y = (1 - std::abs(x)) * sign_not_zero(y);
+    x = folded;
+  }
+  const float distance =
+      (static_cast<float>(word >> 20U) - 1) / (distance_steps - 1) * 2 * distance_range - distance_range;
+  return GuardPlane{V3f(x, y, z).normalized(), distance};
+}
+
+float hidden_by(const GuardRecord& record, const V3f& u) {
+  float most = -std::numeric_limits<float>::max();
+  for (const std::uint32_t word : record.words) {
+    if (const std::optional<GuardPlane> plane = unpack(word))
+      most = std::max(most, plane->normal.dot(u) - plane->distance);
+  }
+  return most;
+}
+
+namespace {
+
+// Calls visit(entry, hidden) for the entries that count.
+template <typename Visit>
+void for_each_hidden(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint, const Visit& visit) {
+  const V3f index = grid.frame.to_index(p);
+  const auto row = std::uint32_t(grid.frame.size.x);
+  const auto plane = row * std::uint32_t(grid.frame.size.y);
+  for (int i = 0; i < footprint.count; ++i) {
+    const std::uint32_t vertex = footprint.vertex[std::size_t(i)];
+    if (footprint.weight[std::size_t(i)] == 0 || grid.visible_fraction[vertex] <= 0) continue;
+    const V3f at(static_cast<float>(vertex % row), static_cast<float>(vertex % plane / row),
+                 static_cast<float>(vertex / plane));
+    visit(i, hidden_by(grid.guard[vertex], index - at));
+  }
+}
+
+}  // namespace
+
+std::uint64_t visible_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint) {
+  if (grid.guard.empty()) return ~std::uint64_t(0);
+  std::uint64_t visible = 0;
+  for_each_hidden(grid, p, footprint, [&](int entry, float hidden) {
+    if (hidden <= 0) visible |= std::uint64_t(1) << unsigned(entry);
+  });
+  return visible;
+}
+
+std::uint64_t least_hidden_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint) {
+  if (grid.guard.empty()) return ~std::uint64_t(0);
+  std::uint64_t bit = 0;
+  float least = std::numeric_limits<float>::infinity();
+  for_each_hidden(grid, p, footprint, [&](int entry, float hidden) {
+    if (hidden >= least) return;
+    least = hidden;
+    bit = std::uint64_t(1) << unsigned(entry);
+  });
+  return bit;
+}
+
+}  // namespace ivory

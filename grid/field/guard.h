@@ -1,0 +1,32 @@
+// The compact leak guard: what a vertex sees within one voxel around it, as up to four planes in
+// 16 bytes. Small enough to go to the GPU beside the grid; fitted by tracer/guard_fit.h.
+#pragma once
+
+#include <optional>
+
+#include "grid/field/irradiance_grid.h"
+
+namespace ivory {
+
+// Offsets u from the vertex, in voxels along the grid's own axes, are visible where n.u <= distance.
+struct GuardPlane {
+  V3f normal;          // unit
+  float distance = 0;  // voxels, kept within [-2, 2)
+};
+inline constexpr int guard_planes = 4;
+
+// One plane in 32 bits: octahedral normal 10 + 10, distance 12. Never zero, which stands for no plane.
+std::uint32_t pack(const GuardPlane& plane);
+std::optional<GuardPlane> unpack(std::uint32_t word);
+
+// How far, in voxels, the point at offset u lies beyond the plane that hides it most: positive where the
+// vertex does not see it, very negative where no plane is set.
+float hidden_by(const GuardRecord& record, const V3f& u);
+
+// Bit i: entry i's vertex sees p (world). All ones for a grid without guard.
+std::uint64_t visible_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint);
+
+// The bit of the entry whose vertex, of those that store something, is the least hidden from p.
+std::uint64_t least_hidden_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint);
+
+}  // namespace ivory

@@ -1,0 +1,149 @@
+#include "grid/field/irradiance_grid.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "grid/base/error.h"
+
+namespace ivory {
+
+std::string_view name(Guard guard) {
+  switch (guard) {
+    case Guard::off:
+      return "off";
+    case Guard::planes:
+      return "planes";
+    case Guard::rays:
+      return "rays";
+  }
+  return "";
+}
+
+Guard guard_from_name(std::string_view text) {
+  for (const Guard guard : {Guard::off, Guard::planes, Guard::rays}) {
+    if (name(guard) == text) return guard;
+  }
+  throw UsageError("unknown guard '" + std::string(text) + "'; one of rays, planes, off");
+}
+
+namespace {
+
+// Vertices and weights that one axis contributes: two for linear interpolation, four for the cubic
+// B-spline. Outside the grid the nearest vertex is repeated.
+struct AxisFootprint {
+  std::array<int, 4> index;
+  std::array<float, 4> weight;
+};
+
+AxisFootprint axis_footprint(float x, int size, Interpolation interpolation) {
+  AxisFootprint axis{};
+  const float clamped = std::clamp(x, 0.0F, static_cast<float>(size - 1));
+  const int base = std::min(static_cast<int>(clamped), size - 2);
+  const float t = clamped - static_cast<float>(base);
+  if (interpolation == Interpolation::trilinear) {
+    axis.index = {base, base + 1, 0, 0};
+    axis.weight = {1 - t, t, 0, 0};
+    return axis;
+  }
+  const float s = 1 - t;
+  for (int i = 0; i < 4; ++i) axis.index[std::size_t(i)] = std::clamp(base - 1 + i, 0, size - 1);
+  axis.weight = {s * s * s / 6, (4 - 6 * t * t + 3 * t * t * t) / 6, (4 - 6 * s * s + 3 * s * s * s) / 6,
+                 t * t * t / 6};
+  return axis;
+}
+
+}  // namespace
+
+Footprint make_footprint(const GridFrame& frame, const V3f& p, Interpolation interpolation) {
+  const V3f index = frame.to_index(p);
+  const std::array<AxisFootprint, 3> axes{axis_footprint(index.x, frame.size.x, interpolation),
+                                          axis_footprint(index.y, frame.size.y, interpolation),
+                                          axis_footprint(index.z, frame.size.z, interpolation)};
+  const std::size_t width = interpolation == Interpolation::trilinear ? 2 : 4;
+  Footprint footprint;
+  for (std::size_t k = 0; k < width; ++k) {
+    for (std::size_t j = 0; j < width; ++j) {
+      const float weight_jk = axes[2].weight[k] * axes[1].weight[j];
+      for (std::size_t i = 0; i < width; ++i) {
+        const auto entry = std::size_t(footprint.count++);
+        footprint.vertex[entry] =
+            static_cast<std::uint32_t>(frame.vertex_index(axes[0].index[i], axes[1].index[j], axes[2].index[k]));
+        footprint.weight[entry] = weight_jk * axes[0].weight[i];
+      }
+    }
+  }
+  return footprint;
+}
+
+float vertex_trust(float visible_fraction) {
+  constexpr float full_trust = 0.25F;
+  return std::min(1.0F, visible_fraction / full_trust);
+}
+
+float restrict_footprint(const IrradianceGrid& grid, std::uint64_t visible, Footprint& footprint) {
+  constexpr float least_weight = 1e-4F;  // below this a renormalised weight is rounding noise
+  std::array<float, 72> trusted;
+  float kept = 0;
+  for (std::size_t i = 0; i < std::size_t(footprint.count); ++i) {
+    const float fraction = ((visible >> i) & 1U) != 0 ? grid.visible_fraction[footprint.vertex[i]] : 0;
+    trusted[i] = footprint.weight[i] * vertex_trust(fraction);
+    kept += trusted[i];
+  }
+  if (kept < least_weight) return 0;
+  for (std::size_t i = 0; i < std::size_t(footprint.count); ++i) footprint.weight[i] = trusted[i] / kept;
+  return kept;
+}
+
+Footprint blend(const Footprint& a, const Footprint& b, float share) {
+  Footprint out;
+  const auto append = [&](const Footprint& part, float scale) {
+    for (std::size_t i = 0; i < std::size_t(part.count); ++i) {
+      if (part.weight[i] == 0) continue;
+      out.vertex[std::size_t(out.count)] = part.vertex[i];
+      out.weight[std::size_t(out.count++)] = part.weight[i] * scale;
+    }
+  };
+  append(a, share);
+  append(b, 1 - share);
+  return out;
+}
+
+namespace {
+
+// A stride known at compile time lets the sum stay in vector registers.
+template <std::size_t stride>
+Rgb irradiance_of(const IrradianceGrid& grid, const Footprint& footprint, const V3f& n, Reconstruction reconstruction) {
+  std::array<float, stride> moments{};
+  for (std::size_t entry = 0; entry < std::size_t(footprint.count); ++entry) {
+    const float weight = footprint.weight[entry];
+    const float* vertex = grid.moments.data() + footprint.vertex[entry] * stride;
+    for (std::size_t i = 0; i < stride; ++i) moments[i] += weight * vertex[i];
+  }
+  return irradiance(grid.basis, reconstruction, moments.data(), grid.frame.direction_to_local(n));
+}
+
+}  // namespace
+
+Rgb irradiance(const IrradianceGrid& grid, const Footprint& footprint, const V3f& n, Reconstruction reconstruction) {
+  switch (function_count(grid.basis)) {
+    case 12:
+      return irradiance_of<36>(grid, footprint, n, reconstruction);
+    case 9:
+      return irradiance_of<27>(grid, footprint, n, reconstruction);
+    case 6:
+      return irradiance_of<18>(grid, footprint, n, reconstruction);
+    default:
+      return irradiance_of<12>(grid, footprint, n, reconstruction);
+  }
+}
+
+Rgb irradiance_standard_error(const IrradianceGrid& grid, const Footprint& footprint) {
+  Rgb variance(0, 0, 0);
+  for (int entry = 0; entry < footprint.count; ++entry) {
+    const float weight = footprint.weight[std::size_t(entry)];
+    variance += grid.variance[footprint.vertex[std::size_t(entry)]] * (weight * weight);
+  }
+  return {std::sqrt(variance.x), std::sqrt(variance.y), std::sqrt(variance.z)};
+}
+
+}  // namespace ivory

@@ -1,0 +1,31 @@
+#include "grid/field/lookup.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace ivory {
+
+float nudge_m(const GridFrame& frame, const LookupParams& params) {
+  const V3f& spacing = frame.spacing_m;
+  return params.nudge_voxels * std::min({spacing.x, spacing.y, spacing.z});
+}
+
+Footprint lookup_footprint(const IrradianceGrid& grid, Guard guard, const V3f& p, const V3f& ng,
+                           const LookupParams& params) {
+  assert(guard != Guard::rays);
+  const V3f nudged = p + ng * nudge_m(grid.frame, params);
+  if (guard == Guard::planes) {
+    return guarded_footprint(grid, nudged, params.interpolation,
+                             [&](const Footprint& footprint) { return visible_by_guard(grid, nudged, footprint); });
+  }
+  Footprint footprint = make_footprint(grid.frame, nudged, params.interpolation);
+  restrict_footprint(grid, ~std::uint64_t(0), footprint);
+  return footprint;
+}
+
+Rgb lookup_irradiance(const IrradianceGrid& grid, Guard guard, const V3f& p, const V3f& ng, const V3f& n,
+                      const LookupParams& params) {
+  return irradiance(grid, lookup_footprint(grid, guard, p, ng, params), n, params.reconstruction);
+}
+
+}  // namespace ivory

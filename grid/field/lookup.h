@@ -1,0 +1,44 @@
+// E(p, n) from a grid with leaks kept out by what the file itself stores. Needs no scene; its twin for the GPU is
+// shaders/irradiance_grid.glsl. With rays in place of the planes: tracer/guard_rays.h.
+#pragma once
+
+#include <cstdint>
+
+#include "grid/field/guard.h"
+#include "grid/field/irradiance_grid.h"
+
+namespace ivory {
+
+// How far a look-up moves off the surface.
+float nudge_m(const GridFrame& frame, const LookupParams& params);
+
+// The footprint read at `nudged` (world, already off the surface) where visible(footprint) gives the bits of the
+// entries that see it: vertices that do not are left out. Where the others hold less than `enough_weight`, in narrow
+// places, the vertices of the tricubic footprint that see the point help out; where none does, the one least hidden by
+// its planes answers.
+inline constexpr float enough_weight = 0.25F;
+template <typename Visible>
+Footprint guarded_footprint(const IrradianceGrid& grid, const V3f& nudged, Interpolation interpolation,
+                            const Visible& visible) {
+  Footprint footprint = make_footprint(grid.frame, nudged, interpolation);
+  const float kept = restrict_footprint(grid, visible(footprint), footprint);
+  if (kept >= enough_weight) return footprint;
+
+  if (interpolation == Interpolation::trilinear) {
+    Footprint wide = make_footprint(grid.frame, nudged, Interpolation::tricubic);
+    if (restrict_footprint(grid, visible(wide), wide) > 0) return blend(footprint, wide, kept / enough_weight);
+  }
+  if (kept == 0) restrict_footprint(grid, least_hidden_by_guard(grid, nudged, footprint), footprint);
+  return footprint;
+}
+
+// The footprint that a look-up at surface point p (geometric normal ng on the lit side) reads, by the stored planes or
+// without guard: p is nudged off the surface along ng by params.nudge_voxels. `guard` is planes or off.
+Footprint lookup_footprint(const IrradianceGrid& grid, Guard guard, const V3f& p, const V3f& ng,
+                           const LookupParams& params);
+
+// E(n) in lux per channel at p through that footprint; n is the shading normal.
+Rgb lookup_irradiance(const IrradianceGrid& grid, Guard guard, const V3f& p, const V3f& ng, const V3f& n,
+                      const LookupParams& params);
+
+}  // namespace ivory

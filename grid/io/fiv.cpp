@@ -1,0 +1,103 @@
+#include "grid/io/fiv.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "grid/base/error.h"
+
+namespace ivory {
+
+namespace {
+
+const std::string remedy = "bake it with ivory bake fiv";
+// 2: the shape has reaches too.
+constexpr std::int64_t format_version = 2;
+
+std::vector<std::string> channel_names(int hemispheres) {
+  const std::string axes = "xyz";
+  std::vector<std::string> vectors;
+  for (const char axis : axes) vectors.push_back(std::string("F") + axis);
+  if (hemispheres == 6) {
+    for (const char split : axes) {
+      for (const char axis : axes) vectors.push_back(std::string("D") + split + axis);
+    }
+  }
+  std::vector<std::string> names;
+  for (const std::string& vector : vectors) {
+    for (const char* color : {".R", ".G", ".B"}) names.push_back(vector + color);
+  }
+  return names;
+}
+
+const std::vector<float>& list(const std::string& path, const ExrAsset& asset, const char* key, std::size_t size) {
+  const auto found = asset.lists.find(key);
+  if (found == asset.lists.end() || (size != 0 && found->second.size() != size) ||
+      !std::all_of(found->second.begin(), found->second.end(), [](float x) { return std::isfinite(x); }))
+    throw Error(path, std::string("is damaged (attribute ") + key + ")", remedy);
+  return found->second;
+}
+
+}  // namespace
+
+void write_fiv(const std::string& path, const FivTable& table, ExrPrecision precision, bool force) {
+  ExrAsset asset;
+  asset.kind = "fiv";
+  asset.width = table.size.x;
+  asset.height = table.size.y * table.size.z;
+  asset.channels = channel_names(table.hemispheres);
+  asset.values = table.values;
+  asset.metadata = table.metadata;
+  asset.metadata["format_version"] = format_version;
+  asset.metadata["azimuths"] = std::int64_t(table.size.x);
+  asset.metadata["polar_angles"] = std::int64_t(table.size.y);
+  asset.metadata["spheres"] = std::int64_t(table.size.z);
+  asset.metadata["hemispheres"] = std::int64_t(table.hemispheres);
+  asset.metadata["precision"] = std::string(precision == ExrPrecision::float32 ? "float32" : "float16");
+  asset.lists["radii"] = table.radii;
+  asset.lists["sphere_m"] = {table.center_m.x, table.center_m.y, table.center_m.z, table.radius_m};
+  asset.lists["coverage"] = {table.coverage};
+  asset.lists["total"] = {table.total.begin(), table.total.end()};
+  asset.lists["shape"] = {table.shape.begin(), table.shape.end()};
+  write_exr(path, asset, precision, force);
+}
+
+FivTable read_fiv(const std::string& path) {
+  ExrAsset asset = read_exr(path, "fiv", remedy);
+  const auto integer = [&](const char* key) {
+    const auto found = asset.metadata.find(key);
+    const auto* value = found == asset.metadata.end() ? nullptr : std::get_if<std::int64_t>(&found->second);
+    if (value == nullptr || *value < 1 || *value > 1 << 20)
+      throw Error(path, std::string("is damaged (attribute ") + key + ")", remedy);
+    return int(*value);
+  };
+  if (const int version = integer("format_version"); version != format_version) {
+    throw Error(path,
+                "is an FIV table of format version " + std::to_string(version) + ", this ivory reads version " +
+                    std::to_string(format_version),
+                "bake it again with ivory bake fiv");
+  }
+  FivTable table;
+  table.size = {integer("azimuths"), integer("polar_angles"), integer("spheres")};
+  table.hemispheres = integer("hemispheres");
+  if ((table.hemispheres != 1 && table.hemispheres != 6) || table.size.x < 3 || table.size.y < 2 || table.size.z < 2 ||
+      asset.width != table.size.x || std::int64_t(asset.height) != std::int64_t(table.size.y) * table.size.z ||
+      asset.channels != channel_names(table.hemispheres))
+    throw Error(path, "is damaged (its sizes do not fit together)", remedy);
+  table.radii = list(path, asset, "radii", std::size_t(table.size.z));
+  const std::vector<float>& sphere = list(path, asset, "sphere_m", 4);
+  table.center_m = {sphere[0], sphere[1], sphere[2]};
+  table.radius_m = sphere[3];
+  table.coverage = list(path, asset, "coverage", 1)[0];
+  const std::vector<float>& total = list(path, asset, "total", table.total.size());
+  std::copy(total.begin(), total.end(), table.total.begin());
+  const std::vector<float>& shape = list(path, asset, "shape", table.shape.size());
+  std::copy(shape.begin(), shape.end(), table.shape.begin());
+  bool ascending = table.radii.front() > 0;
+  for (std::size_t k = 1; k < table.radii.size(); ++k) ascending = ascending && table.radii[k - 1] < table.radii[k];
+  if (!ascending || !(table.radius_m > 0)) throw Error(path, "is damaged (its spheres do not ascend)", remedy);
+  table.values = std::move(asset.values);
+  table.metadata = std::move(asset.metadata);
+  return table;
+}
+
+}  // namespace ivory

@@ -1,0 +1,209 @@
+#include "grid/io/sh9.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <type_traits>
+#include <variant>
+
+#include <nlohmann/json.hpp>
+
+#include "grid/base/error.h"
+#include "grid/io/file.h"
+
+namespace ivory {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* format_name = "ivory sh9";
+constexpr std::int64_t format_version = 1;
+constexpr const char* remedy = "bake it with 'ivory bake sh9'";
+constexpr std::uintmax_t largest_file = 1 << 20;  // a hundred times what is written
+
+Json triples(const std::array<V3d, 9>& values) {
+  Json list = Json::array();
+  for (const V3d& v : values) list.push_back({v.x, v.y, v.z});
+  return list;
+}
+
+Json window_json(const Sh9Window& window) { return {1, window.band1, window.band2}; }
+
+Json matrices_json(const Sh9Matrices& matrices) {
+  Json list = Json::array();
+  for (const auto& matrix : matrices) {
+    Json rows = Json::array();
+    for (std::size_t r = 0; r < 4; ++r)
+      rows.push_back({matrix[4 * r], matrix[4 * r + 1], matrix[4 * r + 2], matrix[4 * r + 3]});
+    list.push_back(rows);
+  }
+  return list;
+}
+
+void write_json(const std::string& path, const Json& json, bool force) {
+  PendingFile pending(path, force);
+  {
+    std::ofstream file(pending.temporary(), std::ios::binary);
+    file << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+    if (!file.flush()) throw Error(path, "cannot be written", "check the disk");
+  }
+  pending.commit();
+}
+
+class Reader {
+ public:
+  Reader(std::string path, Json json) : path_(std::move(path)), json_(std::move(json)) {}
+
+  [[noreturn]] void refuse(const std::string& cause) const { throw Error(path_, cause, remedy); }
+
+  const Json& at(const char* key) const {
+    const auto found = json_.find(key);
+    if (found == json_.end()) refuse(std::string("has no \"") + key + "\"");
+    return *found;
+  }
+  double number(const Json& value, const char* key) const {
+    if (!value.is_number()) refuse(std::string("\"") + key + "\" holds something that is no number");
+    const auto x = value.get<double>();
+    if (!std::isfinite(x)) refuse(std::string("\"") + key + "\" holds a number that is not finite");
+    return x;
+  }
+  const Json& list(const Json& value, const char* key, std::size_t size) const {
+    if (!value.is_array() || value.size() != size) {
+      const std::string name = key;
+      const char* const shape = name == "matrices" ? "3 x 4 x 4" : (name == "window" ? "3" : "9 x 3");
+      refuse("\"" + name + "\" has not the shape " + shape);
+    }
+    return value;
+  }
+  const Json& json() const { return json_; }
+
+ private:
+  std::string path_;
+  Json json_;
+};
+
+}  // namespace
+
+void write_sh9(const std::string& path, const Sh9Asset& asset, bool force) {
+  Json json{{"format", format_name},
+            {"format_version", format_version},
+            {"ivory_version", IVORY_VERSION},
+            {"order", asset.order},
+            {"window", window_json(asset.window)},
+            {"average_error", asset.error.average},
+            {"maximum_error", asset.error.maximum},
+            {"average_error_of_mean_irradiance", asset.error.average_of_mean_e()},
+            {"maximum_error_of_mean_irradiance", asset.error.maximum_of_mean_e()},
+            {"units",
+             "coefficients nits sr^(1/2), (n 1) M (n 1)^T irradiance in lux; errors relative to the light of "
+             "the whole sphere"},
+            {"coefficient_order", {"L00", "L1-1", "L10", "L11", "L2-2", "L2-1", "L20", "L21", "L22"}},
+            {"coefficients", triples(asset.sh.coefficients)},
+            {"matrices", matrices_json(sh9_matrices(asset.sh))}};
+  for (const auto& [key, value] : asset.metadata)
+    std::visit([&, &meta_key = key](const auto& v) { json[meta_key] = v; }, value);
+  write_json(path, json, force);
+}
+
+Sh9Asset read_sh9(const std::string& path) {
+  std::error_code status;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, status);
+  std::ifstream file(path, std::ios::binary);
+  if (status || !file) throw Error(path, "cannot be read", "check the name");
+  if (bytes > largest_file) throw Error(path, "is too large for an SH9 file", remedy);
+  Json json = Json::parse(file, nullptr, /*allow_exceptions=*/false);
+  if (json.is_discarded()) throw Error(path, "is not JSON", remedy);
+  if (!json.is_object() || json.value("format", Json()) != format_name) throw Error(path, "is no SH9 file", remedy);
+  const Reader reader(path, std::move(json));
+  if (const double version = reader.number(reader.at("format_version"), "format_version");
+      version != double(format_version)) {
+    reader.refuse("has format version " + reader.at("format_version").dump() + ", this ivory reads " +
+                  std::to_string(format_version));
+  }
+
+  Sh9Asset asset;
+  const double order = reader.number(reader.at("order"), "order");
+  if (order != 0 && order != 1 && order != 2) reader.refuse("has an order that is not 0, 1 or 2");
+  asset.order = int(order);
+  const Json& window = reader.list(reader.at("window"), "window", 3);
+  asset.window = {reader.number(window[1], "window"), reader.number(window[2], "window")};
+  asset.error.average = reader.number(reader.at("average_error"), "average_error");
+  asset.error.maximum = reader.number(reader.at("maximum_error"), "maximum_error");
+  const Json& coefficients = reader.list(reader.at("coefficients"), "coefficients", 9);
+  double scale = 0;
+  for (std::size_t i = 0; i < 9; ++i) {
+    const Json& rgb = reader.list(coefficients[i], "coefficients", 3);
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double value = reader.number(rgb[c], "coefficients");
+      if (std::abs(value) > 1e30) reader.refuse("\"coefficients\" holds a number beyond 1e30");
+      asset.sh.coefficients[i][int(c)] = value;
+      scale = std::max(scale, std::abs(value));
+    }
+  }
+  const Sh9Matrices expected = sh9_matrices(asset.sh);
+  const Json& matrices = reader.list(reader.at("matrices"), "matrices", 3);
+  for (std::size_t c = 0; c < 3; ++c) {
+    const Json& rows = reader.list(matrices[c], "matrices", 4);
+    for (std::size_t r = 0; r < 4; ++r) {
+      const Json& row = reader.list(rows[r], "matrices", 4);
+      for (std::size_t k = 0; k < 4; ++k) {
+        // Either may have been written with seven digits.
+        if (std::abs(reader.number(row[k], "matrices") - expected[c][4 * r + k]) > 1e-5 * scale)
+          reader.refuse("its matrices do not belong to its coefficients");
+      }
+    }
+  }
+  for (const auto& [key, value] : reader.json().items()) {
+    if (key == "format" || key == "order" || key == "window" || key.find("_error") != std::string::npos) continue;
+    if (value.is_string()) {
+      asset.metadata[key] = value.get<std::string>();
+    } else if (value.is_number_integer()) {
+      asset.metadata[key] = value.get<std::int64_t>();
+    } else if (value.is_number()) {
+      asset.metadata[key] = value.get<double>();
+    }
+  }
+  return asset;
+}
+
+bool is_sh9_name(const std::string& path) { return lower_extension(path) == ".json"; }
+
+void write_sh9_dialect(const std::string& path, const Sh9Asset& asset, Sh9Dialect dialect, bool force) {
+  const std::array<V3d, 9> values = in_dialect(asset.sh, dialect);
+  Json extras{{"generator", std::string("ivory ") + IVORY_VERSION},
+              {"order", asset.order},
+              {"window", window_json(asset.window)},
+              {"average_error", asset.error.average},
+              {"maximum_error", asset.error.maximum}};
+  for (const auto& [key, value] : asset.metadata)
+    std::visit([&, &meta_key = key](const auto& v) { extras[meta_key] = v; }, value);
+  Json json;
+  switch (dialect) {
+    case Sh9Dialect::ivory:
+      write_sh9(path, asset, force);
+      return;
+    case Sh9Dialect::filament:
+      extras["use"] =
+          "IndirectLight::Builder().irradiance(3, irradiance).intensity(1): already in lux over pi, world +Y up";
+      json = {{"irradiance", triples(values)}};
+      break;
+    case Sh9Dialect::three_js: {
+      Json flat = Json::array();
+      for (const V3d& v : values)
+        for (int c = 0; c < 3; ++c) flat.push_back(v[c]);
+      extras["use"] = "new THREE.LightProbe().fromJSON(this)";
+      json = {{"type", "LightProbe"}, {"intensity", 1}, {"sh", flat}};
+      break;
+    }
+    case Sh9Dialect::ext_lights_image_based:
+      extras["use"] = "coefficients of irradiance in the all-positive basis of Ramamoorthi & Hanrahan 2001";
+      json = {{"intensity", 1}, {"irradianceCoefficients", triples(values)}};
+      break;
+  }
+  json["extras"] = extras;
+  write_json(path, json, force);
+}
+
+}  // namespace ivory
