@@ -1,4 +1,4 @@
-// glTF's reflection model: a Lambert lobe below a GGX microfacet lobe, mixed by Fresnel; twin of tracer/bsdf.cpp, where
+// glTF's reflection model: a Lambert lobe below a GGX microfacet lobe, mixed by Fresnel; twin of tracer/bsdf/bsdf.cpp, where
 // the model is derived. wo and wi leave the surface, towards the eye and towards the light; all vectors are unit.
 
 struct IvorySurface {
@@ -53,7 +53,7 @@ vec3 ivory_eval_bsdf(IvorySurface s, vec3 wi) {
 
 // What of E comes back as diffuse light: L = ivory_diffuse_reflectance / pi * E. Fresnel's share of uniform light for
 // f0 = 0, f90 = 1 is a polynomial in 1 - cos fitted by least squares to the integral of (1 - h.wo)^5 cos/pi over wi (what
-// tracer/bsdf.cpp tabulates), at 201 even cosines; it is within 1.1e-5.
+// tracer/bsdf/bsdf.cpp tabulates), at 201 even cosines; it is within 1.1e-5.
 vec3 ivory_diffuse_reflectance(IvorySurface s) {
   float mu = dot(s.ns, s.wo);
   if (mu <= 1e-6 || dot(s.ng, s.wo) <= 0.0) return vec3(0.0);

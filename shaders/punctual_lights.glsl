@@ -1,5 +1,5 @@
 // Direct light of point, spot and directional lights with shadow maps; filled by ivory::LightSet
-// (runtime/punctual_light.h). The lights' formulas are those of tracer/lights_punctual.cpp.
+// (runtime/punctual_light.h). The lights' formulas are those of tracer/lights/punctual.cpp.
 #include "bsdf.glsl"
 
 struct IvoryLight {

@@ -1,4 +1,4 @@
-// The surface under a fragment of ivory::Renderer, as tracer/surface.cpp makes it of a hit.
+// The surface under a fragment of ivory::Renderer, as tracer/core/surface.cpp makes it of a hit.
 #include "bsdf.glsl"
 
 in vec3 ivory_p;

@@ -9,7 +9,7 @@
 #include "grid/base/error.h"
 #include "tests/gltf_builder.h"
 #include "tests/scene_check.h"
-#include "tracer/gltf_loader.h"
+#include "tracer/gltf/loader.h"
 
 namespace ivory {
 

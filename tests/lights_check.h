@@ -10,7 +10,7 @@
 
 #include "tests/statistics.h"
 #include "tools/stability/scene_builder.h"
-#include "tracer/lights.h"
+#include "tracer/lights/lights.h"
 
 namespace ivory {
 

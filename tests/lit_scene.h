@@ -5,8 +5,8 @@
 
 #include "tests/statistics.h"
 #include "tools/stability/scene_builder.h"
-#include "tracer/path_tracer.h"
-#include "tracer/render.h"
+#include "tracer/render/path_tracer.h"
+#include "tracer/render/render.h"
 
 namespace ivory {
 

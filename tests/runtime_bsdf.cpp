@@ -1,8 +1,8 @@
-// shaders/bsdf.glsl against tracer/bsdf.cpp.
+// shaders/bsdf.glsl against tracer/bsdf/bsdf.cpp.
 #include <gtest/gtest.h>
 
 #include "tests/runtime_twin.h"
-#include "tracer/bsdf.h"
+#include "tracer/bsdf/bsdf.h"
 
 namespace ivory {
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-#include "tracer/scene.h"
+#include "tracer/core/scene.h"
 
 namespace ivory {
 

@@ -15,7 +15,7 @@
 
 #include "tests/environment_pictures.h"
 #include "tests/run_ivory.h"
-#include "tracer/image_io.h"
+#include "tracer/image/file.h"
 
 namespace ivory {
 namespace {

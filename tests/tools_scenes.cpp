@@ -15,8 +15,8 @@
 #include <gtest/gtest.h>
 
 #include "grid/base/types.h"
-#include "tracer/gltf_loader.h"
-#include "tracer/scene.h"
+#include "tracer/core/scene.h"
+#include "tracer/gltf/loader.h"
 
 namespace ivory {
 namespace {

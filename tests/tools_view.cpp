@@ -11,8 +11,8 @@
 #include "grid/base/types.h"
 #include "tests/command_test.h"
 #include "tests/gltf_builder.h"
-#include "tracer/image_compare.h"
-#include "tracer/image_io.h"
+#include "tracer/image/compare.h"
+#include "tracer/image/file.h"
 
 namespace ivory {
 namespace {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tools/view/camera.h"
-#include "tracer/camera.h"
+#include "tracer/core/camera.h"
 
 namespace ivory {
 namespace {

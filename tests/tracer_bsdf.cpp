@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "tests/statistics.h"
-#include "tracer/bsdf.h"
-#include "tracer/sampler.h"
-#include "tracer/sampling.h"
+#include "tracer/bsdf/bsdf.h"
+#include "tracer/core/sampler.h"
+#include "tracer/core/sampling.h"
 
 namespace ivory {
 namespace {

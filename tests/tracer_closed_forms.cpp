@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "tools/stability/scene_builder.h"
-#include "tracer/grid_baker.h"
+#include "tracer/bake/field/baker.h"
 
 namespace ivory {
 namespace {

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "tools/stability/scene_builder.h"
-#include "tracer/cube_capture.h"
-#include "tracer/probe.h"
+#include "tracer/bake/cubemap/capture.h"
+#include "tracer/render/probe.h"
 
 namespace ivory {
 namespace {

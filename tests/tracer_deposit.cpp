@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tracer/photon_deposit.h"
-#include "tracer/sampler.h"
+#include "tracer/bake/field/photon_deposit.h"
+#include "tracer/core/sampler.h"
 
 namespace ivory {
 namespace {

@@ -15,9 +15,9 @@
 #include "grid/env/cube_from_latlong.h"
 #include "tests/environment_pictures.h"
 #include "tests/scene_check.h"
-#include "tracer/environment.h"
-#include "tracer/image_io.h"
-#include "tracer/irradiance_baker.h"
+#include "tracer/env/irradiance.h"
+#include "tracer/env/latlong_map.h"
+#include "tracer/image/file.h"
 
 namespace ivory {
 namespace {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tools/stability/scene_builder.h"
-#include "tracer/intersector.h"
+#include "tracer/core/intersector.h"
 
 namespace ivory {
 namespace {

@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/lit_scene.h"
-#include "tracer/final_gather.h"
-#include "tracer/sampling.h"
+#include "tracer/core/sampling.h"
+#include "tracer/render/final_gather.h"
 
 namespace ivory {
 namespace {

@@ -9,10 +9,10 @@
 #include "grid/base/error.h"
 #include "grid/fiv/light.h"
 #include "tools/stability/fiv_shapes.h"
-#include "tracer/fiv_baker.h"
-#include "tracer/fiv_directions.h"
-#include "tracer/fiv_gather.h"
-#include "tracer/fiv_inside.h"
+#include "tracer/bake/fiv/baker.h"
+#include "tracer/bake/fiv/directions.h"
+#include "tracer/bake/fiv/gather.h"
+#include "tracer/bake/fiv/inside.h"
 
 namespace ivory {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "grid/fiv/light.h"
 #include "tools/stability/fiv_shapes.h"
-#include "tracer/fiv_baker.h"
-#include "tracer/fiv_fit.h"
+#include "tracer/bake/fiv/baker.h"
+#include "tracer/bake/fiv/fit.h"
 
 namespace ivory {
 namespace {

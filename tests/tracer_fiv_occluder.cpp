@@ -3,8 +3,8 @@
 
 #include "grid/base/error.h"
 #include "tools/stability/fiv_shapes.h"
-#include "tracer/fiv_occluder.h"
-#include "tracer/sphere_light.h"
+#include "tracer/bake/fiv/occluder.h"
+#include "tracer/lights/sphere.h"
 
 namespace ivory {
 namespace {

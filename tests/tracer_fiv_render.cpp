@@ -5,10 +5,10 @@
 
 #include "tests/statistics.h"
 #include "tools/stability/fiv_shapes.h"
-#include "tracer/bsdf.h"
-#include "tracer/fiv_directions.h"
-#include "tracer/fiv_render.h"
-#include "tracer/surface.h"
+#include "tracer/bake/fiv/directions.h"
+#include "tracer/bsdf/bsdf.h"
+#include "tracer/core/surface.h"
+#include "tracer/render/fiv.h"
 
 namespace ivory {
 namespace {

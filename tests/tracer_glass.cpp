@@ -5,9 +5,9 @@
 
 #include "tests/gltf_check.h"
 #include "tests/lit_scene.h"
-#include "tracer/grid_baker.h"
-#include "tracer/probe.h"
-#include "tracer/surface.h"
+#include "tracer/bake/field/baker.h"
+#include "tracer/core/surface.h"
+#include "tracer/render/probe.h"
 
 namespace ivory {
 namespace {

@@ -10,7 +10,7 @@
 #include "tests/gltf_builder.h"
 #include "tests/scene_check.h"
 #include "tests/world_triangles.h"
-#include "tracer/gltf_loader.h"
+#include "tracer/gltf/loader.h"
 
 namespace ivory {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "grid/base/error.h"
 #include "tests/gltf_check.h"
-#include "tracer/texture.h"
+#include "tracer/core/texture.h"
 
 namespace ivory {
 namespace {

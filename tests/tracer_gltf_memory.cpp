@@ -8,7 +8,7 @@
 
 #include "grid/base/memory.h"
 #include "tests/gltf_check.h"
-#include "tracer/gltf_materials.h"
+#include "tracer/gltf/materials.h"
 
 namespace ivory {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "grid/base/error.h"
 #include "tools/stability/fiv_shapes.h"
-#include "tracer/grid_baker.h"
+#include "tracer/bake/field/baker.h"
 
 namespace ivory {
 namespace {

@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "tracer/gltf_loader.h"
-#include "tracer/grid_baker.h"
-#include "tracer/guard_rays.h"
-#include "tracer/probe.h"
+#include "tracer/bake/field/baker.h"
+#include "tracer/gltf/loader.h"
+#include "tracer/render/guard_rays.h"
+#include "tracer/render/probe.h"
 
 namespace ivory {
 namespace {

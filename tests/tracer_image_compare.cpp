@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/statistics.h"
-#include "tracer/image_compare.h"
+#include "tracer/image/compare.h"
 
 namespace ivory {
 namespace {

@@ -10,10 +10,10 @@
 #include <gtest/gtest.h>
 
 #include "grid/base/error.h"
-#include "tracer/camera.h"
-#include "tracer/environment.h"
-#include "tracer/image_compare.h"
-#include "tracer/image_io.h"
+#include "tracer/core/camera.h"
+#include "tracer/env/latlong_map.h"
+#include "tracer/image/compare.h"
+#include "tracer/image/file.h"
 
 namespace ivory {
 namespace {

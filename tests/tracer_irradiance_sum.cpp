@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tracer/environment.h"
-#include "tracer/irradiance_baker.h"
-#include "tracer/irradiance_sum.h"
+#include "tracer/env/irradiance.h"
+#include "tracer/env/irradiance_sum.h"
+#include "tracer/env/latlong_map.h"
 
 namespace ivory {
 namespace {

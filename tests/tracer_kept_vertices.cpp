@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "tools/stability/scene_builder.h"
-#include "tracer/grid_baker.h"
-#include "tracer/guard_rays.h"
-#include "tracer/kept_vertices.h"
+#include "tracer/bake/field/baker.h"
+#include "tracer/bake/field/kept_vertices.h"
+#include "tracer/render/guard_rays.h"
 
 namespace ivory {
 namespace {

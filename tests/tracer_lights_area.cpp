@@ -10,9 +10,9 @@
 
 #include "grid/base/error.h"
 #include "tests/lights_check.h"
-#include "tracer/alias_table.h"
-#include "tracer/environment.h"
-#include "tracer/sampling.h"
+#include "tracer/core/alias_table.h"
+#include "tracer/core/sampling.h"
+#include "tracer/env/latlong_map.h"
 
 namespace ivory {
 namespace {

@@ -8,10 +8,10 @@
 
 #include "tests/lights_check.h"
 #include "tests/lit_scene.h"
-#include "tracer/alias_table.h"
-#include "tracer/probe.h"
-#include "tracer/sampling.h"
-#include "tracer/surface.h"
+#include "tracer/core/alias_table.h"
+#include "tracer/core/sampling.h"
+#include "tracer/core/surface.h"
+#include "tracer/render/probe.h"
 
 namespace ivory {
 namespace {

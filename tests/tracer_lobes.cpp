@@ -9,10 +9,10 @@
 #include "tests/gltf_builder.h"
 #include "tests/statistics.h"
 #include "tools/stability/scene_builder.h"
-#include "tracer/gltf_loader.h"
-#include "tracer/lobe_direct.h"
-#include "tracer/path_tracer.h"
-#include "tracer/sphere_light.h"
+#include "tracer/gltf/loader.h"
+#include "tracer/lights/sphere.h"
+#include "tracer/render/lobes.h"
+#include "tracer/render/path_tracer.h"
 
 namespace ivory {
 namespace {

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "tools/stability/scene_builder.h"
-#include "tracer/cube_capture.h"
-#include "tracer/object_light.h"
-#include "tracer/path_tracer.h"
+#include "tracer/bake/cubemap/capture.h"
+#include "tracer/render/object_light.h"
+#include "tracer/render/path_tracer.h"
 
 namespace ivory {
 namespace {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/lit_scene.h"
-#include "tracer/sampling.h"
+#include "tracer/core/sampling.h"
 
 namespace ivory {
 namespace {

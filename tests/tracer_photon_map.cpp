@@ -7,9 +7,9 @@
 #include "grid/base/error.h"
 #include "tests/lit_scene.h"
 #include "tools/stability/fiv_shapes.h"
-#include "tracer/photon_map.h"
-#include "tracer/photon_tracer.h"
-#include "tracer/probe.h"
+#include "tracer/render/photon_map.h"
+#include "tracer/render/photon_tracer.h"
+#include "tracer/render/probe.h"
 
 namespace ivory {
 namespace {

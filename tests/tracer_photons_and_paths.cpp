@@ -13,8 +13,8 @@
 
 #include "tests/statistics.h"
 #include "tools/stability/scene_builder.h"
-#include "tracer/grid_baker.h"
-#include "tracer/probe.h"
+#include "tracer/bake/field/baker.h"
+#include "tracer/render/probe.h"
 
 namespace ivory {
 namespace {

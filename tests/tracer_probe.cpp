@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/lit_scene.h"
-#include "tracer/probe.h"
-#include "tracer/sampling.h"
+#include "tracer/core/sampling.h"
+#include "tracer/render/probe.h"
 
 namespace ivory {
 namespace {

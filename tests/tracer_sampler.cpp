@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/statistics.h"
-#include "tracer/low_discrepancy.h"
-#include "tracer/sampler.h"
+#include "tracer/core/low_discrepancy.h"
+#include "tracer/core/sampler.h"
 
 namespace ivory {
 namespace {

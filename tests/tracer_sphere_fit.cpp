@@ -5,9 +5,9 @@
 
 #include "grid/base/error.h"
 #include "tools/stability/scene_builder.h"
-#include "tracer/sphere_fit.h"
-#include "tracer/sphere_light.h"
-#include "tracer/winding_number.h"
+#include "tracer/bake/spheres/fit.h"
+#include "tracer/bake/spheres/winding_number.h"
+#include "tracer/lights/sphere.h"
 
 namespace ivory {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tracer/texture.h"
+#include "tracer/core/texture.h"
 
 namespace ivory {
 namespace {

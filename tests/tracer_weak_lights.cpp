@@ -11,8 +11,8 @@
 
 #include "tests/statistics.h"
 #include "tools/stability/scene_builder.h"
-#include "tracer/deposit_target.h"
-#include "tracer/grid_baker.h"
+#include "tracer/bake/field/baker.h"
+#include "tracer/bake/field/deposit_target.h"
 
 namespace ivory {
 namespace {

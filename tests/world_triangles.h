@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "tracer/scene.h"
+#include "tracer/core/scene.h"
 
 namespace ivory {
 

@@ -7,7 +7,7 @@
 #include "grid/base/error.h"
 #include "grid/io/difmap.h"
 #include "grid/io/sh9.h"
-#include "tracer/irradiance_baker.h"
+#include "tracer/env/irradiance.h"
 
 namespace ivory {
 

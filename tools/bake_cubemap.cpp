@@ -16,7 +16,7 @@
 #include "tools/dynamic_objects.h"
 #include "tools/grid_input.h"
 #include "tools/scene_input.h"
-#include "tracer/cube_capture.h"
+#include "tracer/bake/cubemap/capture.h"
 
 namespace ivory {
 

@@ -15,9 +15,9 @@
 #include "tools/common.h"
 #include "tools/environment_input.h"
 #include "tools/scene_input.h"
-#include "tracer/environment.h"
-#include "tracer/fiv_baker.h"
-#include "tracer/gltf_loader.h"
+#include "tracer/bake/fiv/baker.h"
+#include "tracer/env/latlong_map.h"
+#include "tracer/gltf/loader.h"
 
 namespace ivory {
 

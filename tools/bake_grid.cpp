@@ -10,7 +10,7 @@
 #include "tools/common.h"
 #include "tools/grid_result.h"
 #include "tools/scene_input.h"
-#include "tracer/grid_baker.h"
+#include "tracer/bake/field/baker.h"
 
 namespace ivory {
 

@@ -11,7 +11,7 @@
 #include "tools/commands.h"
 #include "tools/common.h"
 #include "tools/environment_input.h"
-#include "tracer/irradiance_baker.h"
+#include "tracer/env/irradiance.h"
 
 namespace ivory {
 

@@ -12,8 +12,8 @@
 #include "tools/commands.h"
 #include "tools/common.h"
 #include "tools/scene_input.h"
-#include "tracer/gltf_loader.h"
-#include "tracer/sphere_fit.h"
+#include "tracer/bake/spheres/fit.h"
+#include "tracer/gltf/loader.h"
 
 namespace ivory {
 

@@ -1,4 +1,6 @@
 // ivory compare: how far a picture is from a reference.
+#include "tracer/image/compare.h"
+
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -6,8 +8,7 @@
 #include "grid/base/error.h"
 #include "tools/commands.h"
 #include "tools/common.h"
-#include "tracer/image_compare.h"
-#include "tracer/image_io.h"
+#include "tracer/image/file.h"
 
 namespace ivory {
 

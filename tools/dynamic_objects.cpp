@@ -8,7 +8,7 @@
 
 #include "grid/base/error.h"
 #include "tools/scene_input.h"
-#include "tracer/gltf_loader.h"
+#include "tracer/gltf/loader.h"
 
 namespace ivory {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tools/common.h"
-#include "tracer/scene.h"
+#include "tracer/core/scene.h"
 
 namespace ivory {
 

@@ -6,7 +6,7 @@
 
 #include "grid/base/metadata.h"
 #include "grid/env/layout.h"
-#include "tracer/environment_image.h"
+#include "tracer/env/image.h"
 
 namespace CLI {
 class App;

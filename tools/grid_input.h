@@ -7,7 +7,7 @@
 
 #include "tools/common.h"
 #include "tools/scene_input.h"
-#include "tracer/final_gather.h"
+#include "tracer/render/final_gather.h"
 
 namespace ivory {
 

@@ -9,7 +9,7 @@
 #include "grid/io/sh9.h"
 #include "tools/file_kind.h"
 #include "tools/probe_source.h"
-#include "tracer/irradiance_sum.h"
+#include "tracer/env/irradiance_sum.h"
 
 namespace ivory {
 

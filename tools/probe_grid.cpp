@@ -11,7 +11,7 @@
 #include "grid/io/vdb/vdb.h"
 #include "tools/probe_source.h"
 #include "tools/scene_input.h"
-#include "tracer/guard_rays.h"
+#include "tracer/render/guard_rays.h"
 
 namespace ivory {
 

@@ -6,7 +6,7 @@
 #include "grid/base/error.h"
 #include "tools/probe_source.h"
 #include "tools/scene_input.h"
-#include "tracer/probe.h"
+#include "tracer/render/probe.h"
 
 namespace ivory {
 

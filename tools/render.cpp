@@ -21,8 +21,8 @@
 #include "tools/grid_input.h"
 #include "tools/render_method.h"
 #include "tools/scene_input.h"
-#include "tracer/image_io.h"
-#include "tracer/sphere_light.h"
+#include "tracer/image/file.h"
+#include "tracer/lights/sphere.h"
 
 namespace ivory {
 

@@ -9,7 +9,7 @@
 #include "grid/io/cubemap.h"
 #include "tools/grid_input.h"
 #include "tools/render_method.h"
-#include "tracer/object_light.h"
+#include "tracer/render/object_light.h"
 
 namespace ivory {
 

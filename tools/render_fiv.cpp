@@ -11,8 +11,8 @@
 #include "tools/ambient_input.h"
 #include "tools/dynamic_objects.h"
 #include "tools/render_method.h"
-#include "tracer/fiv_occluder.h"
-#include "tracer/fiv_render.h"
+#include "tracer/bake/fiv/occluder.h"
+#include "tracer/render/fiv.h"
 
 namespace ivory {
 

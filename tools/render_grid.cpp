@@ -7,7 +7,7 @@
 #include "grid/base/error.h"
 #include "tools/grid_input.h"
 #include "tools/render_method.h"
-#include "tracer/final_gather.h"
+#include "tracer/render/final_gather.h"
 
 namespace ivory {
 

@@ -8,7 +8,7 @@
 #include "grid/io/lobes.h"
 #include "grid/io/sphere_set.h"
 #include "tools/render_method.h"
-#include "tracer/lobe_direct.h"
+#include "tracer/render/lobes.h"
 
 namespace ivory {
 

@@ -9,8 +9,8 @@
 
 #include "grid/base/metadata.h"
 #include "tools/scene_input.h"
-#include "tracer/film.h"
-#include "tracer/render.h"
+#include "tracer/core/film.h"
+#include "tracer/render/render.h"
 
 namespace ivory {
 

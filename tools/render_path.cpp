@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/render_method.h"
-#include "tracer/path_tracer.h"
+#include "tracer/render/path_tracer.h"
 
 namespace ivory {
 

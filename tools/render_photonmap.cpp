@@ -7,8 +7,8 @@
 #include "grid/base/error.h"
 #include "tools/common.h"
 #include "tools/render_method.h"
-#include "tracer/final_gather.h"
-#include "tracer/photon_map.h"
+#include "tracer/render/final_gather.h"
+#include "tracer/render/photon_map.h"
 
 namespace ivory {
 

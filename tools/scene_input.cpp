@@ -4,7 +4,7 @@
 
 #include "grid/base/error.h"
 #include "grid/io/file.h"
-#include "tracer/gltf_loader.h"
+#include "tracer/gltf/loader.h"
 
 namespace ivory {
 

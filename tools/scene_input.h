@@ -10,9 +10,9 @@
 #include "grid/base/metadata.h"
 #include "tools/common.h"
 #include "tools/environment_input.h"
-#include "tracer/intersector.h"
-#include "tracer/lights.h"
-#include "tracer/scene.h"
+#include "tracer/core/intersector.h"
+#include "tracer/core/scene.h"
+#include "tracer/lights/lights.h"
 
 namespace ivory {
 

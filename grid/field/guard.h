@@ -1,5 +1,5 @@
 // The compact leak guard: what a vertex sees within one voxel around it, as up to four planes in
-// 16 bytes. Small enough to go to the GPU beside the grid; fitted by tracer/guard_fit.h.
+// 16 bytes. Small enough to go to the GPU beside the grid; fitted by tracer/bake/field/guard_fit.h.
 #pragma once
 
 #include <optional>

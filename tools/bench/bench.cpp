@@ -7,12 +7,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tools/bench/measure_lookup.h"
+#include "tools/bench/measure_tracer.h"
 #include "tools/commands.h"
 #include "tools/common.h"
-#include "tracer/bench_lookup.h"
-#include "tracer/bench_tracer.h"
-#include "tracer/gltf_loader.h"
-#include "tracer/grid_baker.h"
+#include "tracer/bake/field/baker.h"
+#include "tracer/gltf/loader.h"
 
 namespace ivory {
 namespace {

@@ -15,8 +15,8 @@
 #include "grid/cubemap/reader.h"
 #include "tools/commands.h"
 #include "tools/common.h"
-#include "tracer/sampler.h"
-#include "tracer/sampling.h"
+#include "tracer/core/sampler.h"
+#include "tracer/core/sampling.h"
 
 namespace ivory {
 namespace {

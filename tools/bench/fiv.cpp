@@ -11,9 +11,9 @@
 #include "tools/commands.h"
 #include "tools/common.h"
 #include "tools/environment_input.h"
-#include "tracer/bench_fiv.h"
-#include "tracer/environment.h"
-#include "tracer/gltf_loader.h"
+#include "tools/stability/measure_fiv.h"
+#include "tracer/env/latlong_map.h"
+#include "tracer/gltf/loader.h"
 
 namespace ivory {
 

@@ -24,8 +24,8 @@
 #include "tools/common.h"
 #include "tools/environment_input.h"
 #include "tools/gl_context.h"
-#include "tracer/fiv_baker.h"
-#include "tracer/gltf_loader.h"
+#include "tracer/bake/fiv/baker.h"
+#include "tracer/gltf/loader.h"
 
 namespace ivory {
 

@@ -2,12 +2,12 @@
 
 #include <cmath>
 
-#include "tracer/cube_capture.h"
-#include "tracer/environment.h"
-#include "tracer/fiv_baker.h"
-#include "tracer/grid_baker.h"
-#include "tracer/irradiance_baker.h"
-#include "tracer/sphere_fit.h"
+#include "tracer/bake/cubemap/capture.h"
+#include "tracer/bake/field/baker.h"
+#include "tracer/bake/fiv/baker.h"
+#include "tracer/bake/spheres/fit.h"
+#include "tracer/env/irradiance.h"
+#include "tracer/env/latlong_map.h"
 
 namespace ivory {
 

@@ -9,8 +9,8 @@
 #include "grid/fiv/table.h"
 #include "grid/lobes/sphere_set.h"
 #include "grid/lobes/table.h"
-#include "tracer/fiv_occluder.h"
-#include "tracer/scene.h"
+#include "tracer/bake/fiv/occluder.h"
+#include "tracer/core/scene.h"
 
 namespace ivory {
 

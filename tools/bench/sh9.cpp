@@ -13,7 +13,7 @@
 
 #include "tools/commands.h"
 #include "tools/common.h"
-#include "tracer/irradiance_baker.h"
+#include "tracer/env/irradiance.h"
 
 namespace ivory {
 

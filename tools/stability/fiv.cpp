@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "tools/stability/fiv_shapes.h"
+#include "tools/stability/measure_fiv.h"
 #include "tools/stability/scenes.h"
 #include "tools/stability/stability.h"
-#include "tracer/bench_fiv.h"
-#include "tracer/fiv_gather.h"
-#include "tracer/fiv_inside.h"
+#include "tracer/bake/fiv/gather.h"
+#include "tracer/bake/fiv/inside.h"
 
 namespace ivory {
 namespace {

@@ -14,7 +14,7 @@
 #include "tools/stability/fiv_shapes.h"
 #include "tools/stability/scenes.h"
 #include "tools/stability/stability.h"
-#include "tracer/fiv_baker.h"
+#include "tracer/bake/fiv/baker.h"
 
 namespace ivory {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "grid/field/irradiance_grid.h"
-#include "tracer/scene.h"
+#include "tracer/core/scene.h"
 
 namespace ivory {
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "tools/stability/scene_builder.h"
-#include "tracer/grid_baker.h"
-#include "tracer/guard_rays.h"
-#include "tracer/probe.h"
+#include "tracer/bake/field/baker.h"
+#include "tracer/render/guard_rays.h"
+#include "tracer/render/probe.h"
 
 namespace ivory {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tracer/camera.h"
+#include "tracer/core/camera.h"
 
 namespace ivory {
 

@@ -2,7 +2,7 @@
 // pixel where the scene's camera stands until it is moved.
 #pragma once
 
-#include "tracer/scene.h"
+#include "tracer/core/scene.h"
 
 namespace ivory {
 

@@ -11,7 +11,7 @@ namespace ivory {
 
 namespace {
 
-// neutral() is the twin of tone_map() in tracer/film.cpp. aces() has the constants of Narkowicz' article, and the
+// neutral() is the twin of tone_map() in tracer/core/film.cpp. aces() has the constants of Narkowicz' article, and the
 // factor of 0.6 by which, as it says, ACES' own exposure comes out.
 constexpr const char* fragment_shader = R"(
 uniform sampler2D picture;

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "grid/base/types.h"
-#include "tracer/camera.h"
+#include "tracer/core/camera.h"
 
 namespace ivory {
 

@@ -10,8 +10,8 @@
 #include "tools/gl_context.h"
 #include "tools/view/legend.h"
 #include "tools/view/view.h"
-#include "tracer/image_compare.h"
-#include "tracer/image_io.h"
+#include "tracer/image/compare.h"
+#include "tracer/image/file.h"
 
 namespace ivory {
 

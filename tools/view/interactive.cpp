@@ -18,8 +18,8 @@
 #include "tools/view/timer.h"
 #include "tools/view/view.h"
 #include "tools/view/window.h"
-#include "tracer/camera.h"
-#include "tracer/image_io.h"
+#include "tracer/core/camera.h"
+#include "tracer/image/file.h"
 
 namespace ivory {
 

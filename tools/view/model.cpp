@@ -87,7 +87,7 @@ SurfaceMaterial make_material(const Material& m, const TextureStore& textures) {
     out.dielectric_f0 = m.specular_color;
     out.roughness = 1 - m.glossiness;
   } else {
-    // As tracer/surface.cpp: min(((ior - 1) / (ior + 1))^2 specularColor, 1) specular, and specular at grazing
+    // As tracer/core/surface.cpp: min(((ior - 1) / (ior + 1))^2 specularColor, 1) specular, and specular at grazing
     // incidence.
     const float r = (m.ior - 1) / (m.ior + 1);
     for (unsigned c = 0; c < 3; ++c) out.dielectric_f0[c] = std::min(r * r * m.specular_color[c], 1.0F) * m.specular;

@@ -7,7 +7,7 @@
 #include "runtime/material.h"
 #include "runtime/mesh.h"
 #include "runtime/punctual_light.h"
-#include "tracer/scene.h"
+#include "tracer/core/scene.h"
 
 namespace ivory {
 

@@ -1,7 +1,7 @@
 #include "tools/view/occluders.h"
 
 #include "grid/base/error.h"
-#include "tracer/fiv_occluder.h"
+#include "tracer/bake/fiv/occluder.h"
 
 namespace ivory {
 

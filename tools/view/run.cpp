@@ -8,7 +8,7 @@
 #include "grid/base/error.h"
 #include "tools/view/debug.h"
 #include "tools/view/view.h"
-#include "tracer/image_io.h"
+#include "tracer/image/file.h"
 
 namespace ivory {
 

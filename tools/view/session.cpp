@@ -8,11 +8,11 @@
 
 #include "grid/base/error.h"
 #include "tools/dynamic_objects.h"
-#include "tracer/camera.h"
-#include "tracer/gltf_loader.h"
-#include "tracer/image_io.h"
-#include "tracer/irradiance_baker.h"
-#include "tracer/sphere_light.h"
+#include "tracer/core/camera.h"
+#include "tracer/env/irradiance.h"
+#include "tracer/gltf/loader.h"
+#include "tracer/image/file.h"
+#include "tracer/lights/sphere.h"
 
 namespace ivory {
 

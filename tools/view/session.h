@@ -15,7 +15,7 @@
 #include "tools/view/occluders.h"
 #include "tools/view/settings.h"
 #include "tools/view/world.h"
-#include "tracer/film.h"
+#include "tracer/core/film.h"
 
 namespace ivory {
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "runtime/gl.h"
-#include "tracer/film.h"
-#include "tracer/image_io.h"
+#include "tracer/core/film.h"
+#include "tracer/image/file.h"
 
 namespace ivory {
 

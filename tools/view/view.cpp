@@ -9,7 +9,7 @@
 
 #include "grid/base/error.h"
 #include "tools/commands.h"
-#include "tracer/image_io.h"
+#include "tracer/image/file.h"
 
 namespace ivory {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "grid/base/types.h"
-#include "tracer/image_io.h"
+#include "tracer/image/file.h"
 
 struct GLFWwindow;
 

@@ -8,8 +8,8 @@
 
 #include "tools/view/camera.h"
 #include "tools/view/path.h"
-#include "tracer/intersector.h"
-#include "tracer/scene.h"
+#include "tracer/core/intersector.h"
+#include "tracer/core/scene.h"
 
 namespace ivory {
 

@@ -1,0 +1,84 @@
+#include "tools/bench/measure_lookup.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <time.h>
+
+#include "grid/base/error.h"
+#include "tracer/core/sampler.h"
+#include "tracer/render/guard_rays.h"
+
+namespace ivory {
+namespace {
+
+struct Point {
+  V3f p;
+  V3f n;
+};
+
+// Where random lines through the grid's box meet surfaces.
+std::vector<Point> surface_points(const GridFrame& frame, const Intersector& intersector, int count) {
+  std::vector<Point> points;
+  RandomStream random(1, StreamPurpose::test, 0);
+  for (int tries = 0; points.size() < std::size_t(count) && tries < 100 * count; ++tries) {
+    const V3f a(random.next(), random.next(), random.next());
+    const V3f b(random.next(), random.next(), random.next());
+    const V3f from = frame.to_world(a * V3f(frame.size) - V3f(0.5F, 0.5F, 0.5F));
+    const V3f to = frame.to_world(b * V3f(frame.size) - V3f(0.5F, 0.5F, 0.5F));
+    const V3f direction = (to - from).normalized();
+    const auto hit = intersector.closest({.origin = from, .direction = direction});
+    if (!hit) continue;
+    points.push_back({from + direction * hit->t, hit->ng.dot(direction) < 0 ? hit->ng : -hit->ng});
+  }
+  return points;
+}
+
+// The thread's own time, so that other work on the machine does not count.
+double thread_time_ns() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return double(now.tv_sec) * 1e9 + double(now.tv_nsec);
+}
+
+template <typename Work>
+double median_ns(int rounds, std::size_t count, const Work& work) {
+  std::vector<double> times;
+  for (int round = 0; round < rounds; ++round) {
+    const double start = thread_time_ns();
+    work();
+    times.push_back((thread_time_ns() - start) / double(count));
+  }
+  std::nth_element(times.begin(), times.begin() + std::ptrdiff_t(times.size() / 2), times.end());
+  return times[times.size() / 2];
+}
+
+}  // namespace
+
+LookupBench bench_lookup(const IrradianceGrid& grid, const Intersector& intersector, const LookupParams& lookup,
+                         int lookups, int rounds) {
+  const std::vector<Point> points = surface_points(grid.frame, intersector, lookups);
+  if (points.empty())
+    throw Error(intersector.scene().name, "no surface was found inside the grid", "give the scene that was baked");
+  // The results are kept, so that the compiler keeps the work.
+  std::vector<Rgb> results(points.size());
+  const auto look_up = [&](Guard guard) {
+    return median_ns(rounds, points.size(), [&] {
+      for (std::size_t i = 0; i < points.size(); ++i)
+        results[i] = lookup_irradiance(grid, &intersector, guard, points[i].p, points[i].n, points[i].n, lookup);
+    });
+  };
+  LookupBench bench;
+  bench.off_ns = look_up(Guard::off);
+  bench.planes_ns = look_up(Guard::planes);
+  bench.rays_ns = look_up(Guard::rays);
+  const float voxel_m = grid.frame.spacing_m.x;
+  bench.occlusion_ray_ns = median_ns(rounds, points.size(), [&] {
+    for (std::size_t i = 0; i < points.size(); ++i)
+      results[i].x = intersector.transmittance(
+          {.origin = offset_origin(points[i].p, points[i].n, points[i].n), .direction = points[i].n, .t_max = voxel_m});
+  });
+  return bench;
+}
+
+}  // namespace ivory

@@ -1,0 +1,21 @@
+// What a look-up of E(p, n) in a grid costs, with each leak guard.
+#pragma once
+
+#include "grid/field/irradiance_grid.h"
+#include "tracer/core/intersector.h"
+
+namespace ivory {
+
+struct LookupBench {
+  double off_ns = 0;
+  double planes_ns = 0;
+  double rays_ns = 0;
+  double occlusion_ray_ns = 0;  // one Embree occlusion query as long as a voxel, for comparison
+};
+
+// Median over `rounds` of the time per look-up on one thread, at `lookups` points on the scene's surfaces
+// in random order. `grid` must hold the scene's bake; Throws Error for a scene without surfaces.
+LookupBench bench_lookup(const IrradianceGrid& grid, const Intersector& intersector, const LookupParams& lookup,
+                         int lookups = 100'000, int rounds = 7);
+
+}  // namespace ivory

@@ -1,0 +1,232 @@
+#include "tracer/bake/field/baker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <mutex>
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include "grid/base/error.h"
+#include "grid/base/memory.h"
+#include "tracer/bake/field/guard_fit.h"
+#include "tracer/bake/field/kept_vertices.h"
+#include "tracer/bake/field/lit_vertices.h"
+#include "tracer/bake/field/photon_deposit.h"
+#include "tracer/bake/field/vertex_visibility.h"
+#include "tracer/render/photon_tracer.h"
+
+namespace ivory {
+namespace {
+
+constexpr int default_long_side = 32;
+constexpr std::uint64_t default_photons_a_vertex = 256;
+constexpr std::uint64_t least_default_photons = 1'000'000;
+constexpr std::uint64_t scout_photons_a_vertex = 4;
+constexpr std::uint64_t photons_a_batch = 2048;  // about 10,000 segments: they stay in the second-level cache
+
+// "-1,0,2:3,4,5 ..." as --dynamic takes them; "none".
+std::string text_of(const std::vector<Box3f>& boxes) {
+  std::string text;
+  for (const Box3f& b : boxes) {
+    text += fmt::format("{}{},{},{}:{},{},{}", text.empty() ? "" : " ", b.min.x, b.min.y, b.min.z, b.max.x, b.max.y,
+                        b.max.z);
+  }
+  return text.empty() ? "none" : text;
+}
+
+Metadata describe(const Scene& scene, const GridBakeParams& params, std::uint64_t photons, const SumLayout& layout) {
+  Metadata m;
+  m["method"] = std::string("irradiance grid");
+  m["basis"] = std::string(name(params.basis));
+  m["estimator"] = std::string(name(params.estimator));
+  m["guard"] = std::string(params.guard == Guard::off ? "off" : "on");  // rays and planes bake the same
+  m["photons"] = static_cast<std::int64_t>(photons);
+  m["max_bounces"] = static_cast<std::int64_t>(params.max_bounces);
+  m["light"] = std::string(params.include_direct ? "direct and indirect" : "indirect");
+  m["seed"] = static_cast<std::int64_t>(params.seed);
+  m["scene"] = scene.name;
+  m["scene_hash"] = scene.content_hash;
+  m["dynamic_regions"] = params.dynamic_regions ? text_of(*params.dynamic_regions) : std::string("everywhere");
+  m["bounds"] = params.bounds ? text_of({*params.bounds}) : std::string("scene");
+  m["rotate_y_deg"] = double(params.rotate_y_deg);
+  m["units"] = std::string("lux");
+  m["sum_slots"] = static_cast<std::int64_t>(layout.slots);
+  return m;
+}
+
+// Rows are the grid's axes in the world.
+M33f axes_turned_about_y(float degrees) {
+  M33f axes;
+  if (degrees == 0) return axes;
+  const double a = double(degrees) * double(pi) / 180;
+  axes[0][0] = axes[2][2] = float(std::cos(a));
+  axes[2][0] = float(std::sin(a));
+  axes[0][2] = -axes[2][0];
+  return axes;
+}
+
+// Along the axes that are the rows of `axes`.
+Box3f bounds_along(const Scene& scene, const M33f& axes) {
+  Box3f box;
+  const M33f to_axes = axes.transposed();
+  for (const Instance& instance : scene.instances) {
+    for (const V3f& p : scene.meshes[std::size_t(instance.mesh)].positions)
+      box.extendBy((p * instance.to_world) * to_axes);
+  }
+  return box;
+}
+
+}  // namespace
+
+GridFrame default_frame(const Scene& scene, const GridBakeParams& params) {
+  GridFrame frame;
+  frame.local_to_world = axes_turned_about_y(params.rotate_y_deg);
+  const bool turned = params.rotate_y_deg != 0;
+  const Box3f box = params.bounds ? *params.bounds : turned ? bounds_along(scene, frame.local_to_world) : bounds(scene);
+  if (box.isEmpty() || !(box.size().length() > 0))
+    throw Error(scene.name, "has no surfaces to place a grid around", "check that the scene's nodes hold meshes");
+  // Bounds by hand are turned about their middle, those found along the axes are there already.
+  const V3f middle = params.bounds ? box.center() : frame.direction_to_world(box.center());
+  V3f extent = box.size();
+  const float longest = std::max({extent.x, extent.y, extent.z});
+  constexpr float flat_share = 0.05F;
+  for (unsigned axis = 0; axis < 3; ++axis) extent[axis] = std::max(extent[axis], longest * flat_share);
+
+  if (params.resolution) {
+    frame.size = *params.resolution;
+    if (frame.size.x < 2 || frame.size.y < 2 || frame.size.z < 2)
+      throw UsageError("a grid needs at least 2 vertices along each axis");
+    frame.spacing_m = extent / V3f(frame.size);
+  } else {
+    const float voxel = params.voxel_size_m.value_or(longest / default_long_side);
+    if (!(voxel > 0) || !std::isfinite(voxel)) throw UsageError("the voxel size must be a positive number of metres");
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      // A hair less than one voxel over does not call for another layer of vertices.
+      const double count = std::max(2.0, std::ceil(double(extent[axis]) / voxel - 1e-3));
+      if (count > 32768) throw UsageError("the voxel size is too small: over 32768 vertices along an axis");
+      frame.size[axis] = static_cast<int>(count);
+    }
+    frame.spacing_m = V3f(voxel, voxel, voxel);
+  }
+  if (std::max({frame.size.x, frame.size.y, frame.size.z}) > 32768 || frame.vertex_count() > (std::size_t(1) << 31U))
+    throw UsageError("the grid has too many vertices to number; ask for a lower resolution");
+  frame.origin_m = middle - frame.direction_to_world((V3f(frame.size) - V3f(1, 1, 1)) * frame.spacing_m * 0.5F);
+  return frame;
+}
+
+int affordable_threads(const Scene& scene, const Lights& lights, const GridFrame& frame, const GridBakeParams& params) {
+  const int threads = params.threads > 0 ? params.threads : tbb::this_task_arena::max_concurrency();
+  const double sums = double(frame.vertex_count()) * sum_layout(params.basis, params.estimator).stride();
+  // What the threads share: sums, once more while they are sorted, and the grid. Each adds to its own, 4 bytes a lane,
+  // twice where photons of weak lights have sums of a finer unit.
+  const double shared = sums * 16 + double(frame.vertex_count()) * (double(function_count(params.basis)) * 12 + 64);
+  const double own = sums * (fine_bits(lights.photon_power()) != 0 ? 8 : 4);
+  const double limit = params.max_memory_bytes != 0 ? double(params.max_memory_bytes) : 0.75 * available_memory_bytes();
+  if (shared + own <= limit) return int(std::min(double(threads), (limit - shared) / own));
+  constexpr double gib = 1024.0 * 1024 * 1024;
+  throw Error(scene.name,
+              fmt::format("a grid of {}x{}x{} vertices needs {:.1f} GiB to bake and {:.1f} GiB may be used",
+                          frame.size.x, frame.size.y, frame.size.z, (shared + own) / gib, limit / gib),
+              "ask for a lower --resolution, or for a part of the scene by --bounds");
+}
+
+GridSums bake_grid_sums(const Intersector& intersector, const Lights& lights, const GridBakeParams& params) {
+  const Scene& scene = intersector.scene();
+  if (lights.empty())
+    throw Error(scene.name, "nothing in it shines", "add a light or an emissive material, or give --env");
+  const GridFrame frame = params.frame ? *params.frame : default_frame(scene, params);
+  const SumLayout layout = sum_layout(params.basis, params.estimator);
+  const int threads = affordable_threads(scene, lights, frame, params);
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, std::size_t(threads));
+
+  const std::uint64_t photons = params.photons != 0
+                                    ? params.photons
+                                    : std::max(least_default_photons, default_photons_a_vertex * frame.vertex_count());
+  const auto range = params.photon_range.value_or(std::pair<std::uint64_t, std::uint64_t>{0, photons});
+  const std::uint64_t begin = range.first;  // Clang 14 does not capture structured bindings
+  const std::uint64_t end = range.second;
+  if (begin >= end || end > photons)
+    throw UsageError("the photon range must be A:B with A below B and B at most the " + std::to_string(photons) +
+                     " photons of the whole bake");
+
+  std::vector<std::uint64_t> masks = params.guard == Guard::off
+                                         ? std::vector<std::uint64_t>(frame.vertex_count(), ~std::uint64_t(0))
+                                         : vertex_cell_masks(intersector, frame);
+  if (params.dynamic_regions) {
+    const std::vector<bool> kept = kept_vertices(scene, frame, *params.dynamic_regions);
+    for (std::size_t v = 0; v < masks.size(); ++v) {
+      if (!kept[v]) masks[v] = 0;
+    }
+  }
+  GridSums result;
+  result.visible_fraction = visible_fractions(masks);
+  const PhotonTracer tracer(
+      intersector, lights,
+      {.max_bounces = params.max_bounces, .include_direct = params.include_direct, .seed = params.seed});
+  if (params.guard != Guard::off) {
+    const std::uint64_t scouts = std::min(photons, scout_photons_a_vertex * frame.vertex_count());
+    const std::vector<bool> lit = lit_vertices(tracer, frame, masks, scouts);
+    result.guard = fit_guard(intersector, frame, result.visible_fraction, lit);
+  }
+
+  DepositTarget target = make_deposit_target(frame, params.basis, params.estimator, lights.photon_power().strongest_lm,
+                                             std::move(masks), fine_bits(lights.photon_power()));
+  struct Worker {
+    PhotonDepositor depositor;
+    std::vector<PhotonSegment> segments;
+    PhotonLedger ledger;
+  };
+  // One for each of the arena's slots: over time more threads may take part than at once.
+  tbb::task_arena arena(threads);
+  std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(threads));
+  std::mutex progress_mutex;
+  std::uint64_t done = 0;
+  const std::uint64_t batches = (end - begin + photons_a_batch - 1) / photons_a_batch;
+  const auto trace_batches = [&](const tbb::blocked_range<std::uint64_t>& batch_range) {
+    std::unique_ptr<Worker>& own = workers[std::size_t(tbb::this_task_arena::current_thread_index())];
+    if (!own) own = std::make_unique<Worker>(Worker{PhotonDepositor(target), {}, {}});
+    Worker& worker = *own;
+    for (std::uint64_t batch = batch_range.begin(); batch < batch_range.end(); ++batch) {
+      const std::uint64_t first = begin + batch * photons_a_batch;
+      const std::uint64_t last = std::min(first + photons_a_batch, end);
+      worker.segments.clear();
+      tracer.trace(first, last, worker.segments, worker.ledger);
+      worker.depositor.deposit(worker.segments);
+      if (params.progress) {
+        const std::lock_guard lock(progress_mutex);
+        done += last - first;
+        params.progress(done, end - begin);
+      }
+    }
+  };
+  arena.execute([&] { tbb::parallel_for(tbb::blocked_range<std::uint64_t>(0, batches, 4), trace_batches); });
+  PhotonLedger ledger;
+  for (const std::unique_ptr<Worker>& worker : workers) {
+    if (!worker) continue;
+    worker->depositor.flush();
+    ledger += worker->ledger;
+  }
+
+  result.frame = frame;
+  result.basis = params.basis;
+  result.estimator = params.estimator;
+  result.quantum = target.quantum;
+  result.quantum_squared = target.quantum_squared;
+  result.photon_begin = begin;
+  result.photon_end = end;
+  result.counters = {{"ledger_emitted", ledger.emitted}, {"ledger_absorbed", ledger.absorbed},
+                     {"ledger_escaped", ledger.escaped}, {"ledger_terminated", ledger.terminated},
+                     {"photons_traced", ledger.photons}, {"rays_traced", ledger.rays}};
+  result.metadata = describe(scene, params, photons, layout);
+  result.metadata["ledger_unit_lm"] = tracer.ledger_unit_lm();
+
+  result.sums = sums_by_vertex(target);
+  return result;
+}
+
+}  // namespace ivory

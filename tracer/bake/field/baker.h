@@ -1,0 +1,51 @@
+// From a scene to the integer sums of an irradiance-vector grid.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <utility>
+
+#include "grid/field/accumulator.h"
+#include "tracer/core/intersector.h"
+#include "tracer/lights/lights.h"
+
+namespace ivory {
+
+struct GridBakeParams {
+  std::optional<GridFrame> frame = std::nullopt;     // places the grid by hand; none: default_frame()
+  std::optional<Box3f> bounds = std::nullopt;        // what the grid covers, in world axes; none: the whole scene
+  float rotate_y_deg = 0;                            // about the vertical through the grid's middle, after `bounds`
+  std::optional<V3i> resolution = std::nullopt;      // vertices per axis, each at least 2
+  std::optional<float> voxel_size_m = std::nullopt;  // cubic voxels; neither given: 32 along the longest side
+  std::uint64_t photons = 0;                         // of the whole bake; 0: 256 a vertex, at least a million
+  std::optional<std::pair<std::uint64_t, std::uint64_t>> photon_range = std::nullopt;  // half-open; none: all
+  // World-space boxes in which objects move. Given, even if empty, vertices far from all surfaces are stored
+  // only there; none: everywhere.
+  std::optional<std::vector<Box3f>> dynamic_regions = std::nullopt;
+  int max_bounces = 1000;
+  Basis basis = Basis::vectors;
+  Estimator estimator = Estimator::track;
+  Guard guard = Guard::rays;  // planes and rays store the compact guard; off stores and applies none
+  bool include_direct = false;
+  std::uint64_t seed = 1;
+  int threads = 0;                     // 0: all cores
+  std::uint64_t max_memory_bytes = 0;  // 0: three quarters of the machine's
+  std::function<void(std::uint64_t done, std::uint64_t total)>
+      progress;  // photons; called from any thread, one at a time
+};
+
+// The grid's placement: `bounds`, or those of the scene along the grid's axes, tiled exactly by resolution; or by cubic
+// voxels, centred. Sides that are flat get a twentieth of the longest side. A turn by rotate_y_deg takes world +Z
+// towards +X. Throws Error for a scene without extent
+// and UsageError for a resolution that is below 2 or too large to number.
+GridFrame default_frame(const Scene& scene, const GridBakeParams& params);
+
+// How many of params.threads (0: all) can bake that grid within params.max_memory_bytes: each needs sums of its own.
+// Throws Error where memory would not suffice for one.
+int affordable_threads(const Scene& scene, const Lights& lights, const GridFrame& frame, const GridBakeParams& params);
+
+// By affordable_threads(); the bytes do not depend on them. Throws Error where nothing shines, or where memory would
+// not suffice.
+GridSums bake_grid_sums(const Intersector& intersector, const Lights& lights, const GridBakeParams& params);
+
+}  // namespace ivory

@@ -1,0 +1,104 @@
+#include "tracer/bake/field/deposit_target.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include <tbb/parallel_for.h>
+
+namespace ivory {
+
+DepositTarget make_deposit_target(const GridFrame& frame, Basis basis, Estimator estimator, float power_lm,
+                                  std::vector<std::uint64_t> cell_masks, int fine_bits) {
+  DepositTarget target;
+  target.frame = frame;
+  target.basis = basis;
+  target.estimator = estimator;
+  target.layout = sum_layout(basis, estimator);
+  const double mean_spacing_m = (double(frame.spacing_m.x) + double(frame.spacing_m.y) + double(frame.spacing_m.z)) / 3;
+  const double unit = double(power_lm) * (estimator == Estimator::track ? mean_spacing_m : 1.0);
+  target.quantum = std::ldexp(unit, -18 - fine_bits);
+  target.quantum_squared = std::ldexp(unit * unit, -18 - fine_bits);
+  target.fine_bits = fine_bits;
+  target.cell_masks = std::move(cell_masks);
+  assert(target.cell_masks.size() == frame.vertex_count());
+  target.sums.assign(frame.vertex_count() * std::size_t(target.layout.stride()), 0);
+  return target;
+}
+
+int fine_bits(const Lights::PhotonPower& power) { return power.weakest_lm < 0x1p-6F * power.strongest_lm ? 12 : 0; }
+
+std::vector<std::int64_t> sums_by_vertex(const DepositTarget& target) {
+  const auto lanes = std::size_t(target.layout.lanes());
+  const auto slots = std::size_t(target.layout.slots);
+  std::vector<std::int64_t> out(target.sums.size());
+  tbb::parallel_for(std::size_t(0), target.cell_masks.size(), [&](std::size_t v) {
+    for (std::size_t slot = 0; slot < slots; ++slot)
+      std::copy_n(target.sums.begin() + std::ptrdiff_t(target.lane_index(slot, v)), lanes,
+                  out.begin() + std::ptrdiff_t((v * slots + slot) * lanes));
+  });
+  return out;
+}
+
+std::optional<IndexSegment> clip(const GridFrame& frame, const PhotonSegment& segment) {
+  const V3f origin = frame.to_index(segment.origin) + V3f(0.5F, 0.5F, 0.5F);
+  const V3f local = frame.direction_to_local(segment.direction);
+  const V3f direction = local / frame.spacing_m;
+  float t0 = 0;
+  float t1 = segment.length_m;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const auto last = static_cast<float>(frame.size[axis]);
+    // A zero component gives infinities of the right signs, or, on the very border, a NaN that the
+    // comparisons below ignore.
+    const float inverse = 1 / direction[axis];
+    const float a = -origin[axis] * inverse;
+    const float b = (last - origin[axis]) * inverse;
+    t0 = std::max(t0, std::min(a, b));
+    t1 = std::min(t1, std::max(a, b));
+  }
+  if (!(t1 > t0)) return std::nullopt;
+  return IndexSegment{origin + direction * t0, direction, t1 - t0, -local};
+}
+
+namespace {
+
+template <std::size_t functions>
+void set_lanes(const DepositTarget& target, const Rgb& power_lm, const float* f, float measure, SegmentLanes& lanes) {
+  // Powers are at most about 2^18 coarse units over a voxel: far from float's limits either way.
+  const auto scale = static_cast<double>(std::int64_t(1) << target.fine_bits);
+  const double unit = target.quantum * scale;
+  const Rgb scaled = power_lm * (measure * static_cast<float>(1 / unit));
+  const float to_second = static_cast<float>(unit * unit / (target.quantum_squared * scale));
+  for (unsigned c = 0; c < 3; ++c) {
+    for (std::size_t i = 0; i < functions; ++i) lanes.values[3 * i + c] = scaled[c] * f[i];
+    lanes.values[3 * functions + c] = scaled[c] * scaled[c] * to_second;
+  }
+}
+
+}  // namespace
+
+SegmentLanes track_lanes(const DepositTarget& target, const V3f& w, const Rgb& power_lm) {
+  SegmentLanes lanes;
+  if (target.layout.slots == 8) {
+    lanes.slot = (w.x < 0 ? 1U : 0U) | (w.y < 0 ? 2U : 0U) | (w.z < 0 ? 4U : 0U);
+    const std::array<float, 3> functions{std::abs(w.x), std::abs(w.y), std::abs(w.z)};
+    set_lanes<3>(target, power_lm, functions.data(), 1, lanes);
+  } else if (target.layout.functions == 4) {
+    set_lanes<4>(target, power_lm, eval(target.basis, w).data(), 1, lanes);
+  } else {
+    assert(target.layout.functions == 9);
+    set_lanes<9>(target, power_lm, eval(target.basis, w).data(), 1, lanes);
+  }
+  return lanes;
+}
+
+SegmentLanes face_lanes(const DepositTarget& target, const V3f& w, const Rgb& power_lm, unsigned axis) {
+  SegmentLanes lanes;
+  lanes.slot = 2 * axis + (w[axis] > 0 ? 0 : 1);
+  const std::array<float, 3> functions{w.x, w.y, w.z};
+  set_lanes<3>(target, power_lm, functions.data(), target.estimator == Estimator::face ? 1 / std::abs(w[axis]) : 1,
+               lanes);
+  return lanes;
+}
+
+}  // namespace ivory

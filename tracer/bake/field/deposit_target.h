@@ -1,0 +1,70 @@
+// Where photon deposits go: the integer sums that all threads share, and a segment's place in the grid.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "grid/field/accumulator.h"
+#include "tracer/render/photon_tracer.h"
+
+namespace ivory {
+
+// Integer addition commutes, so neither the order of the threads nor how the photons were cut into
+// batches leaves a trace in the sums.
+struct DepositTarget {
+  GridFrame frame;
+  Basis basis = Basis::vectors;
+  Estimator estimator = Estimator::track;
+  SumLayout layout;
+  double quantum = 0;  // as in GridSums
+  double quantum_squared = 0;
+  int fine_bits = 0;  // deposits are counted in coarse units of 2^fine_bits quanta, those too small for that in quanta
+  std::vector<std::uint64_t> cell_masks;  // [vertex] 4x4x4 subcells that the vertex sees, x fastest; track only
+  std::vector<std::int64_t> sums;         // [slot][vertex][lane]
+
+  std::size_t lane_index(std::size_t slot, std::size_t vertex) const {
+    return (slot * cell_masks.size() + vertex) * std::size_t(layout.lanes());
+  }
+};
+
+// Sizes the sums and picks the quanta: a photon of `power_lm` (its strongest channel) crossing one voxel
+// is 2^18 coarse units, which leaves rounding far below the photon noise even for channels and direction
+// components 10,000 times weaker.
+DepositTarget make_deposit_target(const GridFrame& frame, Basis basis, Estimator estimator, float power_lm,
+                                  std::vector<std::uint64_t> cell_masks, int fine_bits = 0);
+
+// The fine bits that a scene's lights ask for. Where a sun shines into a scene, the photons of a lamp indoors may
+// carry a millionth of the strongest power: rounded to 2^-18 of that, the lamp's room would be dark, not noisy. 12
+// bits make the quanta 2^-30, at which the 64-bit sums still hold 2^31 of the strongest deposits in one voxel, of
+// which the second moment may be 3 units of 2^30; what is weaker yet is rounded at random (see photon_deposit.cpp).
+// None where all photons are above 2^-6 of the strongest, as with a single light: their deposits are 2^12 coarse
+// units, and second moments 2^6.
+int fine_bits(const Lights::PhotonPower& power);
+
+// The sums as a GridSums keeps them, [vertex][slot][lane].
+std::vector<std::int64_t> sums_by_vertex(const DepositTarget& target);
+
+// The part of a segment inside the grid's box, in index coordinates shifted by one half: vertex i's cell
+// is [i, i + 1).
+struct IndexSegment {
+  V3f start;
+  V3f per_metre;
+  float length_m = 0;
+  V3f w;  // in the grid's own axes, towards the light
+};
+std::optional<IndexSegment> clip(const GridFrame& frame, const PhotonSegment& segment);
+
+// What a deposit adds to a slot's moments and second moments, in coarse units, for one metre
+// (track) or one crossing (face) of a segment; [function][rgb], then the second moment's rgb.
+inline constexpr std::size_t max_lanes = 30;
+struct SegmentLanes {
+  std::array<float, max_lanes> values;  // the layout's lanes() of them
+  std::size_t slot = 0;
+};
+SegmentLanes track_lanes(const DepositTarget& target, const V3f& w, const Rgb& power_lm);
+// For a face of the given axis, divided by |cos| where the estimator asks for it.
+SegmentLanes face_lanes(const DepositTarget& target, const V3f& w, const Rgb& power_lm, unsigned axis);
+
+}  // namespace ivory

@@ -1,0 +1,49 @@
+// The reflection model of glTF: a Lambert lobe below a GGX microfacet lobe, mixed by Fresnel.
+// wo points towards where the light goes, wi towards where it comes from; both leave the surface.
+#pragma once
+
+#include <optional>
+
+#include "tracer/core/surface.h"
+
+namespace ivory {
+
+struct Bsdf {
+  V3f ns;
+  V3f ng;
+  Rgb diffuse_albedo;
+  Rgb f0;
+  Rgb f90;
+  float alpha = 1;
+};
+
+Bsdf make_bsdf(const Surface& surface);
+
+enum class Lobes { all, diffuse, specular };
+
+// f(wo, wi) |ns.wi| in 1/sr, 0 where either lies below ng or ns.
+Rgb eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes = Lobes::all);
+
+struct BsdfSample {
+  V3f wi;
+  Rgb throughput;  // f |ns.wi| / pdf
+  float pdf_solid_angle = 0;
+};
+// Samples wi in proportion to the model; nothing where the sample falls below the surface (its
+// energy is lost to the model, not to the sampling).
+std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, float u_lobe, const V2f& u, Lobes lobes = Lobes::all);
+
+float pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes = Lobes::all);
+
+// eval() and pdf() of one pair of directions at less than the cost of both.
+struct BsdfValue {
+  Rgb value{0, 0, 0};  // f |ns.wi|
+  float pdf_solid_angle = 0;
+};
+BsdfValue eval_with_pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi);
+
+// Fraction of uniform diffuse incident light that the Lambert lobe sends towards wo (per channel):
+// L_out = diffuse_reflectance / pi * E for light that arrives as irradiance.
+Rgb diffuse_reflectance(const Bsdf& bsdf, const V3f& wo);
+
+}  // namespace ivory

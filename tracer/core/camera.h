@@ -1,0 +1,35 @@
+// From the cameras of a scene to rays through pixels.
+#pragma once
+
+#include <string>
+
+#include "tracer/core/intersector.h"
+
+namespace ivory {
+
+// A camera and an image size, ready to make rays.
+struct View {
+  V3f origin;
+  V3f right;    // from the image's centre to its right edge, at unit distance (or in metres)
+  V3f up;       // from its centre to its top edge
+  V3f forward;  // unit
+  bool perspective = true;
+  int width = 1;
+  int height = 1;
+};
+
+// The camera's vertical field of view is kept and pixels are square; a scale in its transform is ignored.
+// Throws Error (naming `file`) where the camera's transform or angle makes no picture.
+View make_view(const std::string& file, const Camera& camera, int width, int height);
+
+// The scene's camera of that index ("0") or name. Throws UsageError where there is none.
+const Camera& find_camera(const Scene& scene, const std::string& index_or_name);
+
+// A camera that sees the whole sphere from the front, a little from above and the right.
+Camera framing_camera(const V3f& center, float radius_m, float aspect);
+
+// Ray through `pixel`: continuous, x from 0 (left) to width, y from 0 (top) to height. An eye ray:
+// it culls back faces as glTF asks.
+Ray make_ray(const View& view, const V2f& pixel);
+
+}  // namespace ivory

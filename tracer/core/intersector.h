@@ -1,0 +1,80 @@
+// Rays against the scene's triangles, through Embree.
+#pragma once
+
+#include <array>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "tracer/core/scene.h"
+
+namespace ivory {
+
+struct Ray {
+  V3f origin;
+  V3f direction;  // unit
+  float t_min = 0;
+  float t_max = std::numeric_limits<float>::infinity();
+  // Decides stochastic BLEND coverage along the ray; to be drawn anew, uniform over 32 bits, for each.
+  std::uint32_t coverage_seed = 0;
+  // glTF culls back faces of single-sided materials for the eye; light meets both sides.
+  bool cull_back_faces = false;
+};
+
+struct Hit {
+  float t = 0;
+  V2f barycentric;  // weights of the triangle's 2nd and 3rd vertex
+  int instance = no_index;
+  int triangle = no_index;  // in the instance's mesh
+  V3f ng;                   // world geometric normal of the front side, unit
+};
+
+// Holds the Embree scene of `scene`, which must outlive it unchanged. A mesh placed once is built
+// in world space; a mesh placed several times is built once and instanced. Coverage (MASK, BLEND)
+// is resolved during traversal. All queries are thread-safe.
+class Intersector {
+ public:
+  explicit Intersector(const Scene& scene);
+  ~Intersector();
+  Intersector(Intersector&&) noexcept;
+  Intersector& operator=(Intersector&&) noexcept;
+
+  const Scene& scene() const;
+  // Does any surface have MASK or BLEND coverage? Only then do rays need a coverage seed.
+  bool has_coverage() const;
+
+  // First surface along the ray, BLEND surfaces being there with probability alpha.
+  std::optional<Hit> closest(const Ray& ray) const;
+
+  // Fraction of light that passes along the ray between t_min and t_max: 0 or 1 but for BLEND
+  // surfaces, which let 1 - alpha pass.
+  float transmittance(const Ray& ray) const;
+
+  // For each of the first `count` (at most 8) targets: is the open segment from `origin` free of
+  // surfaces? Bit i of the answer. BLEND surfaces with alpha below one half do not block.
+  std::uint32_t visible(const V3f& origin, const std::array<V3f, 8>& targets, int count) const;
+
+  // Distances along `direction` (unit) to the first surface from each of the first `count` (at most 8) origins,
+  // infinity for none. BLEND surfaces with alpha below one half are not there. For rays side by side.
+  std::array<float, 8> distances(const std::array<V3f, 8>& origins, int count, const V3f& direction) const;
+
+  // Bare Embree closest-hit queries on `rays`, one by one, nothing made of the hits: the rate that
+  // everything else is measured against. Returns how many rays hit.
+  std::uint64_t count_hits(std::span<const Ray> rays) const;
+
+  // Sphere around everything: centre and radius (m), never zero for a scene with triangles.
+  V3f center() const;
+  float radius_m() const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+// p moved off its surface along unit ng, to the side of w, by a distance that stays above the
+// rounding error of p at any scale: rays from there do not meet the surface they left. reach_m is the largest
+// coordinate of the corners of the triangle that p lies on (Surface::reach_m), 0 where it is not known.
+V3f offset_origin(const V3f& p, const V3f& ng, const V3f& w, float reach_m = 0);
+
+}  // namespace ivory

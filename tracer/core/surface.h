@@ -1,0 +1,40 @@
+// Everything that shading needs to know about a hit.
+#pragma once
+
+#include "tracer/core/intersector.h"
+#include "tracer/core/scene.h"
+
+namespace ivory {
+
+struct Surface {
+  V3f p;
+  V3f ng;                     // unit geometric normal, on the side that the ray came from
+  V3f ns;                     // unit shading normal (interpolated, normal-mapped), ns.ng > 0, on the ray's side
+  bool front = true;          // the ray met the triangle's front side
+  Rgb diffuse_albedo;         // Lambertian reflectance before Fresnel's share
+  Rgb specular_f0;            // reflectance of the microfacet lobe at normal incidence
+  Rgb specular_f90{1, 1, 1};  // and at grazing incidence (0 for a purely diffuse material)
+  float roughness_alpha = 1;  // GGX alpha = perceptual roughness squared
+  Rgb emission;               // nits, towards the ray's origin
+  float reach_m = 0;          // as triangle_reach_m(); 0: not known
+};
+
+Surface make_surface(const Scene& scene, const Ray& ray, const Hit& hit);
+
+// Largest coordinate of a triangle's corners in the world, m: the rounding error of points on it goes with that.
+float triangle_reach_m(const Scene& scene, int instance, int triangle);
+
+// Is `hit`, found along unit `direction` within rounding of its origin, the surface of normal +-direction that the
+// origin lies on?
+bool is_own_surface(const Scene& scene, const Hit& hit, float distance_m, const V3f& direction);
+
+// reach_m of the surface with unit normal ng that p lies on to within rounding; 0 where there is none.
+float own_surface_reach_m(const Intersector& intersector, const V3f& p, const V3f& ng);
+
+// The radiance in nits that a triangle emits from barycentric b, on the side it emits from.
+Rgb emission_at(const Scene& scene, int instance, int triangle, const V2f& barycentric);
+
+// Coverage (0 to 1) of a mesh's material there: 0 or 1 for MASK, alpha for BLEND, times what it does not transmit.
+float coverage_at(const Scene& scene, int mesh, int triangle, const V2f& barycentric);
+
+}  // namespace ivory

@@ -1,0 +1,17 @@
+// Texture look-up as glTF defines it.
+#pragma once
+
+#include "tracer/core/scene.h"
+
+namespace ivory {
+
+// RGBA in 0..1 at uv (as uv_at() gives it), filtered and wrapped by the texture's sampler; decoded
+// from sRGB to linear first where `srgb` (alpha is always linear). White (1,1,1,1) where `use` names
+// no texture. uv beyond 8 million texels are clamped.
+V4f sample(const Scene& scene, const TextureUse& use, const V2f& uv, bool srgb);
+
+// The uv of `use` at barycentric b of a triangle, its uv_transform applied; {0,0} where the mesh
+// lacks the set, which load_gltf() never leaves so.
+V2f uv_at(const Mesh& mesh, int triangle, const V2f& barycentric, const TextureUse& use);
+
+}  // namespace ivory

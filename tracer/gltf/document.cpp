@@ -1,0 +1,237 @@
+#include "tracer/gltf/document.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <OpenImageIO/hash.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "grid/base/error.h"
+
+namespace ivory::gltf {
+namespace {
+
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+constexpr std::uint32_t glb_magic = 0x46546C67;   // "glTF"
+constexpr std::uint32_t json_chunk = 0x4E4F534A;  // "JSON"
+constexpr std::uint32_t bin_chunk = 0x004E4942;   // "BIN\0"
+// Far beyond what any exporter nests; recursion over the JSON stays shallow.
+constexpr int max_json_depth = 128;
+
+std::string one_line(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
+  return text;
+}
+
+// Names and excerpts from the file may be of any length.
+std::string clipped(const std::string& text) {
+  constexpr std::size_t longest = 400;
+  return text.size() <= longest ? text : text.substr(0, longest) + "...";
+}
+
+std::uint32_t read_u32(std::span<const std::uint8_t> bytes, std::size_t at) {
+  return std::uint32_t(bytes[at]) | std::uint32_t(bytes[at + 1]) << 8U | std::uint32_t(bytes[at + 2]) << 16U |
+         std::uint32_t(bytes[at + 3]) << 24U;
+}
+
+void add_to_hash(Document& document, std::span<const std::uint8_t> bytes) {
+  document.hash = OIIO::xxhash::XXH64(bytes.data(), bytes.size(), document.hash);
+  document.bytes_read += bytes.size();
+}
+
+// Empty cause: read. Otherwise why not.
+std::string read_file(const fs::path& path, std::vector<std::uint8_t>& bytes) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) return "no such file";
+  // A pipe or a device would never end.
+  if (!fs::is_regular_file(status)) return "not a regular file";
+  const std::uintmax_t size = fs::file_size(path, error);
+  if (error) return error.message();
+  std::ifstream in(path, std::ios::binary);
+  if (!in) return "cannot be opened";
+  bytes.resize(size);
+  in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+  if (in.gcount() != static_cast<std::streamsize>(size)) return "cannot be read to its end";
+  return "";
+}
+
+struct GlbChunks {
+  std::span<const std::uint8_t> json;
+  std::span<const std::uint8_t> bin;
+};
+
+// glTF 2.0, section 4.4: a 12 byte header, then chunks of length, type, data.
+GlbChunks split_glb(Document& document, std::span<const std::uint8_t> file) {
+  const char* const damaged = "the file is damaged; export it again";
+  if (file.size() < 12) document.fail("GLB header is cut off", damaged);
+  const std::uint32_t version = read_u32(file, 4);
+  const std::uint32_t length = read_u32(file, 8);
+  if (version != 2) document.fail(fmt::format("GLB version is {}", version), "ivory reads version 2; export it again");
+  if (length > file.size()) document.fail(fmt::format("GLB says {} bytes but has {}", length, file.size()), damaged);
+  if (length < 12 + 8) document.fail(fmt::format("GLB says {} bytes, too few for any chunk", length), damaged);
+  if (length < file.size())
+    document.warn(fmt::format("{} bytes behind the end of the GLB are ignored", file.size() - length));
+
+  GlbChunks chunks;
+  std::size_t at = 12;
+  for (int number = 0; at < length; ++number) {
+    if (length - at < 8) document.fail("GLB chunk header is cut off", damaged);
+    const std::uint32_t size = read_u32(file, at);
+    const std::uint32_t type = read_u32(file, at + 4);
+    at += 8;
+    if (size > length - at) document.fail(fmt::format("GLB chunk {} is cut off", number), damaged);
+    if (size % 4 != 0) document.fail(fmt::format("GLB chunk {} has a length that 4 does not divide", number), damaged);
+    const auto data = file.subspan(at, size);
+    at += size;
+    if (number == 0) {
+      if (type != json_chunk) document.fail("first GLB chunk is not JSON", damaged);
+      chunks.json = data;
+    } else if (type == json_chunk) {
+      document.fail("GLB has two JSON chunks", damaged);
+    } else if (type == bin_chunk) {
+      if (number != 1) document.fail("GLB has a binary chunk that is not its second", damaged);
+      chunks.bin = data;
+    } else {
+      document.warn(fmt::format("GLB chunk {} of unknown type is ignored", number));
+    }
+  }
+  return chunks;
+}
+
+// Deepest nesting of brackets outside strings. The parser's own callback could tell as well, at a
+// cost that grows with the square of the longest array.
+int nesting(std::span<const std::uint8_t> text) {
+  int depth = 0;
+  int deepest = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = static_cast<char>(text[i]);
+    if (in_string) {
+      if (c == '\\') ++i;
+      if (c == '"') in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '[' || c == '{') {
+      deepest = std::max(deepest, ++depth);
+    } else if (c == ']' || c == '}') {
+      --depth;
+    }
+  }
+  return deepest;
+}
+
+json parse(const Document& document, std::span<const std::uint8_t> text) {
+  if (nesting(text) > max_json_depth)
+    document.fail(fmt::format("JSON is nested deeper than {} levels", max_json_depth), "the file is damaged");
+  try {
+    return json::parse(text.begin(), text.end());
+  } catch (const json::exception& error) {
+    // "[json.exception.parse_error.101] parse error at line 1, ..."
+    const std::string cause = error.what();
+    document.fail("is not JSON: " + cause.substr(std::min(cause.find("] ") + 2, cause.size())),
+                  "the file is damaged or of another kind");
+  }
+}
+
+std::string percent_decoded(const std::string& uri) {
+  const auto digit = [](char c) {
+    if (c >= '0' && c <= '9') return c - '0';
+    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+    if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+    return -1;
+  };
+  std::string path;
+  for (std::size_t i = 0; i < uri.size(); ++i) {
+    if (uri[i] == '%' && i + 2 < uri.size() && digit(uri[i + 1]) >= 0 && digit(uri[i + 2]) >= 0) {
+      path += static_cast<char>(digit(uri[i + 1]) * 16 + digit(uri[i + 2]));
+      i += 2;
+    } else {
+      path += uri[i];
+    }
+  }
+  return path;
+}
+
+std::vector<std::uint8_t> decode_data_uri(const Document& document, const std::string& uri, const std::string& what) {
+  const std::size_t comma = uri.find(',');
+  if (comma == std::string::npos) document.fail(what + " has a data URI without data", remedy);
+  if (!std::string_view(uri).substr(0, comma).ends_with(";base64")) {
+    const std::string plain = percent_decoded(uri.substr(comma + 1));
+    return {plain.begin(), plain.end()};
+  }
+  std::size_t digits = uri.size() - comma - 1;
+  while (digits > 0 && uri[comma + digits] == '=') --digits;
+  // tinygltf counts in int and stops silently at the first foreign character.
+  if (digits > (1U << 30U)) document.fail(what + " has a data URI of more than 1 GB", "keep it in a file of its own");
+  std::vector<std::uint8_t> bytes;
+  std::string mime_type;
+  const bool decoded = tinygltf::DecodeDataURI(
+      &bytes, mime_type, "data:application/octet-stream;base64," + uri.substr(comma + 1), 0, false);
+  if (!decoded || bytes.size() != digits * 3 / 4) document.fail(what + " has a data URI with broken base64", remedy);
+  return bytes;
+}
+
+}  // namespace
+
+Document::Document() = default;
+Document::~Document() = default;
+
+void Document::fail(const std::string& cause, const std::string& advice) const {
+  throw Error(one_line(path), clipped(one_line(cause)), one_line(advice));
+}
+
+void Document::warn(const std::string& message) {
+  warnings.push_back(one_line(path) + ": " + clipped(one_line(message)));
+}
+
+void read_json(Document& document) {
+  std::vector<std::uint8_t> file;
+  const std::string cause = read_file(document.path, file);
+  if (!cause.empty()) document.fail(cause, "check the name");
+  add_to_hash(document, file);
+  if (file.empty()) document.fail("is empty", "export it again");
+
+  document.storage.push_back(std::move(file));
+  const std::span<const std::uint8_t> bytes = document.storage.front();
+  document.is_glb = bytes.size() >= 4 && read_u32(bytes, 0) == glb_magic;
+  GlbChunks chunks{bytes, {}};
+  if (document.is_glb) chunks = split_glb(document, bytes);
+  document.json = std::make_unique<json>(parse(document, chunks.json));
+  document.buffers.push_back(chunks.bin);
+}
+
+std::vector<std::uint8_t> read_uri(Document& document, const std::string& uri, const std::string& what) {
+  if (uri.starts_with("data:")) return decode_data_uri(document, uri, what);
+  const std::size_t colon = uri.find(':');
+  if (colon != std::string::npos && colon < uri.find('/'))
+    document.fail(what + " lies at " + uri, "ivory reads files and data URIs only; store it beside the glTF file");
+  const fs::path file = fs::path(document.path).parent_path() / fs::path(percent_decoded(uri));
+  std::vector<std::uint8_t> bytes;
+  const std::string cause = read_file(file, bytes);
+  if (!cause.empty()) document.fail(what + " needs " + file.string() + ": " + cause, "put it there, or export again");
+  add_to_hash(document, bytes);
+  return bytes;
+}
+
+const json* find_extension(const json& object, const char* name) {
+  if (!object.is_object()) return nullptr;
+  const auto extensions = object.find("extensions");
+  if (extensions == object.end() || !extensions->is_object()) return nullptr;
+  const auto found = extensions->find(name);
+  return found == extensions->end() ? nullptr : &*found;
+}
+
+const json& element(const Document& document, const char* array, std::size_t index) {
+  return (*document.json)[array][index];
+}
+
+std::string label(const char* array, std::size_t index, const std::string& name) {
+  return name.empty() ? fmt::format("{}[{}]", array, index) : fmt::format("{}[{}] '{}'", array, index, name);
+}
+
+}  // namespace ivory::gltf

@@ -1,0 +1,60 @@
+#include "tracer/gltf/loader.h"
+
+#include <fmt/format.h>
+
+#include "tracer/gltf/accessors.h"
+#include "tracer/gltf/document.h"
+#include "tracer/gltf/materials.h"
+#include "tracer/gltf/meshes.h"
+#include "tracer/gltf/nodes.h"
+#include "tracer/gltf/schema.h"
+
+namespace ivory {
+namespace {
+
+// Meshes that no instance places are of other scenes, or of none.
+void drop_unused_meshes(Scene& scene) {
+  std::vector<int> target(scene.meshes.size(), no_index);
+  for (const Instance& instance : scene.instances) target[std::size_t(instance.mesh)] = 0;
+  std::vector<Mesh> kept;
+  for (std::size_t i = 0; i < target.size(); ++i) {
+    if (target[i] == no_index) continue;
+    target[i] = int(kept.size());
+    kept.push_back(std::move(scene.meshes[i]));
+  }
+  scene.meshes = std::move(kept);
+  for (Instance& instance : scene.instances) instance.mesh = target[std::size_t(instance.mesh)];
+}
+
+}  // namespace
+
+LoadedScene load_gltf(const std::string& path) {
+  gltf::Document document;
+  document.path = path;
+  gltf::read_json(document);
+  gltf::check_schema(document);
+  gltf::check_extensions(document);
+  gltf::read_buffers(document);
+  gltf::parse_model(document);
+  gltf::check_accessors(document);
+
+  LoadedScene loaded;
+  Scene& scene = loaded.scene;
+  scene.name = path;
+  scene.materials = gltf::make_materials(document);
+  scene.textures = gltf::make_textures(document);
+  gltf::MeshSet meshes = gltf::make_meshes(document, scene.materials);
+  scene.meshes = std::move(meshes.meshes);
+  gltf::place_nodes(document, meshes, scene);
+  drop_unused_meshes(scene);
+  if (scene.instances.empty()) document.warn("has no triangles in its scene");
+
+  std::vector<char> material_used(scene.materials.size(), 0);
+  for (const Mesh& mesh : scene.meshes) material_used[std::size_t(mesh.material)] = 1;
+  gltf::load_images(document, material_used, scene);
+  scene.content_hash = fmt::format("{:016x}", document.hash);
+  loaded.warnings = std::move(document.warnings);
+  return loaded;
+}
+
+}  // namespace ivory

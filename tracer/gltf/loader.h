@@ -1,0 +1,34 @@
+// glTF 2.0 and GLB to Scene.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tracer/core/scene.h"
+
+namespace ivory {
+
+struct LoadedScene {
+  Scene scene;
+  std::vector<std::string> warnings;  // one line each: what was ignored or mended, and where
+};
+
+// Loads the file's default scene (the first where it names none, all nodes where it has none).
+//
+// Throws Error naming the file, the cause and a remedy for anything that cannot be rendered right:
+// malformed JSON or GLB, accessors out of their buffers, indices out of range, non-finite or
+// impossible values, an unknown required extension, a node loop, a missing or damaged image that a
+// material shows. Nothing is allocated on the word of the file alone. What can be left out, and what
+// was mended, is a warning.
+//
+// Read: glTF 2.0 and GLB; triangle lists, strips and fans; sparse, normalised and quantized
+// accessors; PNG, JPEG and WebP images; KHR_draco_mesh_compression, EXT_meshopt_compression,
+// KHR_mesh_quantization, EXT_mesh_gpu_instancing, KHR_lights_punctual, KHR_materials_
+// emissive_strength, _ior, _specular, _pbrSpecularGlossiness, _unlit (as a matt surface), _transmission (as
+// straight-through coverage), KHR_texture_transform, EXT_texture_webp, KHR_node_visibility.
+// Nodes that share a mesh share it in the Scene. Points and lines are left out. Morphed meshes are
+// posed by their mesh's default weights; skinned ones stand as modelled. Tangents are made from the
+// uv derivatives where a normal map needs them and the file brings none.
+LoadedScene load_gltf(const std::string& path);
+
+}  // namespace ivory

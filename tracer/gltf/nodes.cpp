@@ -1,0 +1,372 @@
+#include "tracer/gltf/nodes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <ImathMatrixAlgo.h>
+#include <ImathQuat.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "grid/base/memory.h"
+#include "tracer/gltf/accessors.h"
+#include "tracer/gltf/extras.h"
+#include "tracer/lights/sphere.h"
+
+namespace ivory::gltf {
+namespace {
+
+using Imath::M44d;
+using nlohmann::json;
+
+constexpr float max_coordinate_m = 1e9F;
+// Below this a side of the transform counts as flattened: products of two such lengths, squared,
+// come near the end of float.
+constexpr double min_scale = 1e-6;
+
+// The Instance, its matrix in double precision, and Embree's instance with its share of the hierarchy: 514 bytes as
+// measured at the peak, and a quarter more.
+constexpr double bytes_per_instance = 640;
+// Of a mesh of its own: what scene.h stores for a vertex with two sets of coordinates, and Embree's copy and hierarchy.
+constexpr double bytes_per_vertex = 88;
+constexpr double bytes_per_triangle = 96;
+
+std::string node_label(const Document& document, std::size_t node) {
+  return label("nodes", node, document.model.nodes[node].name);
+}
+
+M44d trs_matrix(const V3d& translation, Imath::Quatd rotation, const V3d& scale) {
+  rotation.normalize();
+  M44d matrix = rotation.toMatrix44();
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column) matrix[row][column] *= scale[row];
+  for (int column = 0; column < 3; ++column) matrix[3][column] = translation[column];
+  return matrix;
+}
+
+// Rounding by exporters and 8-bit storage stay within a percent; anything else was not a rotation.
+Imath::Quatd checked_rotation(Document& document, const std::string& what, double x, double y, double z, double w) {
+  const double length = std::sqrt(x * x + y * y + z * z + w * w);
+  if (!(std::abs(length - 1) < 0.01))
+    document.fail(fmt::format("{} has a rotation quaternion of length {}", what, length), remedy);
+  return {w, x, y, z};
+}
+
+M44d local_matrix(Document& document, std::size_t index) {
+  const tinygltf::Node& node = document.model.nodes[index];
+  // tinygltf drops the three where there is a matrix.
+  const json& source = element(document, "nodes", index);
+  const bool has_trs = source.contains("translation") || source.contains("rotation") || source.contains("scale");
+  M44d matrix;
+  if (!node.matrix.empty()) {
+    if (has_trs)
+      document.fail(node_label(document, index) + " has both a matrix and translation, rotation or scale", remedy);
+    for (int i = 0; i < 16; ++i) matrix[i / 4][i % 4] = node.matrix[std::size_t(i)];
+    if (matrix[0][3] != 0 || matrix[1][3] != 0 || matrix[2][3] != 0 || matrix[3][3] != 1)
+      document.fail(node_label(document, index) + " has a matrix that is not affine", remedy);
+    return matrix;
+  }
+  const V3d translation =
+      node.translation.empty() ? V3d(0) : V3d(node.translation[0], node.translation[1], node.translation[2]);
+  const V3d scale = node.scale.empty() ? V3d(1) : V3d(node.scale[0], node.scale[1], node.scale[2]);
+  const Imath::Quatd rotation = node.rotation.empty()
+                                    ? Imath::Quatd()
+                                    : checked_rotation(document, node_label(document, index), node.rotation[0],
+                                                       node.rotation[1], node.rotation[2], node.rotation[3]);
+  return trs_matrix(translation, rotation, scale);
+}
+
+// Every node has at most one parent, and every node is reached from a root: then there is no cycle.
+std::vector<int> find_parents(const Document& document) {
+  const auto& nodes = document.model.nodes;
+  std::vector<int> parents(nodes.size(), no_index);
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    for (const int child : nodes[i].children) {
+      int& parent = parents[std::size_t(child)];
+      if (parent != no_index)
+        document.fail(fmt::format("{} is a child of nodes[{}] and of nodes[{}]",
+                                  node_label(document, std::size_t(child)), parent, i),
+                      remedy);
+      parent = int(i);
+    }
+  }
+  std::vector<std::size_t> open;
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    if (parents[i] == no_index) open.push_back(i);
+  std::vector<char> reached(nodes.size(), 0);
+  while (!open.empty()) {
+    const std::size_t node = open.back();
+    open.pop_back();
+    reached[node] = 1;
+    for (const int child : nodes[node].children) open.push_back(std::size_t(child));
+  }
+  const auto lost = std::find(reached.begin(), reached.end(), 0);
+  if (lost != reached.end())
+    document.fail(node_label(document, std::size_t(lost - reached.begin())) + " is part of a loop", remedy);
+  return parents;
+}
+
+std::vector<int> root_nodes(Document& document, const std::vector<int>& parents) {
+  const tinygltf::Model& model = document.model;
+  for (std::size_t s = 0; s < model.scenes.size(); ++s) {
+    std::vector<int> sorted = model.scenes[s].nodes;
+    for (const int node : sorted)
+      if (parents[std::size_t(node)] != no_index)
+        document.fail(fmt::format("scenes[{}] lists {}, which is a child of another node", s,
+                                  node_label(document, std::size_t(node))),
+                      remedy);
+    std::sort(sorted.begin(), sorted.end());
+    if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end())
+      document.fail(fmt::format("scenes[{}] lists a node twice", s), remedy);
+  }
+  if (!model.scenes.empty()) return model.scenes[std::size_t(std::max(model.defaultScene, 0))].nodes;
+  std::vector<int> roots;
+  for (std::size_t i = 0; i < parents.size(); ++i)
+    if (parents[i] == no_index) roots.push_back(int(i));
+  if (!roots.empty()) document.warn("has no scene; all its nodes are taken");
+  return roots;
+}
+
+M44f to_float(const M44d& m) {
+  M44f result;
+  for (int i = 0; i < 4; ++i)
+    for (int k = 0; k < 4; ++k) result[i][k] = float(m[i][k]);
+  return result;
+}
+
+class Placer {
+ public:
+  Placer(Document& document, const MeshSet& meshes, Scene& scene)
+      : document_(document), meshes_(meshes), scene_(scene) {}
+
+  void place(std::size_t index, const M44d& world, bool visible) {
+    const tinygltf::Node& node = document_.model.nodes[index];
+    const json& source = element(document_, "nodes", index);
+    for (int i = 0; i < 16; ++i)
+      if (!(std::abs(world[i / 4][i % 4]) < 1e30))
+        document_.fail(node_label(document_, index) + " has a transform that is not finite", remedy);
+    if (node.camera >= 0) add_camera(index, std::size_t(node.camera), world);
+    if (!visible) return;
+    if (const json* light = find_extension(source, "KHR_lights_punctual"))
+      add_light(index, (*light)["light"].get<std::size_t>(), world);
+    if (const std::optional<SphereLight> light = read_sphere_light(document_, index, to_float(world))) {
+      add_sphere_light(scene_, *light, document_.path);
+      scene_.instances.back().node = int(index);
+    }
+    if (node.mesh < 0) return;
+    if (const json* instancing = find_extension(source, "EXT_mesh_gpu_instancing")) {
+      for (const M44d& local : instance_matrices(index, *instancing))
+        add_mesh(index, std::size_t(node.mesh), local * world);
+    } else {
+      count_instances(index, 1);
+      add_mesh(index, std::size_t(node.mesh), world);
+    }
+    warn_of_pose(index);
+  }
+
+ private:
+  void warn_of_pose(std::size_t index) {
+    const tinygltf::Node& node = document_.model.nodes[index];
+    if (node.skin >= 0) document_.warn(node_label(document_, index) + " is skinned; its mesh is placed as modelled");
+    if (!node.weights.empty() && node.weights != document_.model.meshes[std::size_t(node.mesh)].weights)
+      document_.warn(node_label(document_, index) + " has morph weights of its own, which are ignored");
+  }
+
+  // A few bytes of file can place any number: an accessor of zeros that instances a mesh, many nodes that share a
+  // mesh of many primitives.
+  void count_instances(std::size_t node, std::size_t count) {
+    const std::vector<int>& primitives = meshes_.of_mesh[std::size_t(document_.model.nodes[node].mesh)];
+    bytes_ += double(count) * double(primitives.size()) * bytes_per_instance;
+    check_memory(document_.path, bytes_, "place fewer instances");
+  }
+
+  // EXT_mesh_gpu_instancing: one instance an element, its transform before the node's.
+  std::vector<M44d> instance_matrices(std::size_t index, const json& extension) {
+    const std::string what = node_label(document_, index) + " (EXT_mesh_gpu_instancing)";
+    const json& attributes = extension["attributes"];
+    std::vector<V3f> translations;
+    std::vector<V4f> rotations;
+    std::vector<V3f> scales;
+    if (attributes.contains("TRANSLATION")) translations = read_vec3(document_, attributes["TRANSLATION"], what);
+    if (attributes.contains("ROTATION")) rotations = read_vec4(document_, attributes["ROTATION"], what);
+    if (attributes.contains("SCALE")) scales = read_vec3(document_, attributes["SCALE"], what);
+    const std::size_t count = std::max({translations.size(), rotations.size(), scales.size()});
+    for (const std::size_t size : {translations.size(), rotations.size(), scales.size()})
+      if (size != 0 && size != count) document_.fail(what + " has attributes of different counts", remedy);
+    count_instances(index, count);
+    // "Instance attributes are optional; without TRANSLATION, ROTATION or SCALE the node stands once."
+    if (count == 0) return {M44d()};
+    std::vector<M44d> matrices;
+    matrices.reserve(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      const V3d translation = translations.empty() ? V3d(0) : V3d(translations[i]);
+      const V3d scale = scales.empty() ? V3d(1) : V3d(scales[i]);
+      const Imath::Quatd rotation =
+          rotations.empty()
+              ? Imath::Quatd()
+              : checked_rotation(document_, what, rotations[i].x, rotations[i].y, rotations[i].z, rotations[i].w);
+      matrices.push_back(trs_matrix(translation, rotation, scale));
+    }
+    return matrices;
+  }
+
+  void add_mesh(std::size_t node, std::size_t mesh, const M44d& world) {
+    const double sides[] = {row(world, 0).length(), row(world, 1).length(), row(world, 2).length()};
+    const double volume = std::abs(row(world, 0).cross(row(world, 1)).dot(row(world, 2)));
+    const bool flat =
+        std::min({sides[0], sides[1], sides[2]}) < min_scale || volume < 1e-7 * sides[0] * sides[1] * sides[2];
+    for (const int primitive : meshes_.of_mesh[mesh]) {
+      Instance instance{primitive, to_float(world), int(node)};
+      if (flat && !add_flat_mesh(node, instance)) continue;
+      check_extent(node, instance);
+      scene_.instances.push_back(instance);
+    }
+  }
+
+  // A transform that loses a dimension has no inverse, which shading and ray tracing need. What it
+  // leaves of the mesh is made a mesh of its own in world space.
+  bool add_flat_mesh(std::size_t node, Instance& instance) {
+    const Mesh& shared = scene_.meshes[std::size_t(instance.mesh)];
+    bytes_ += double(shared.positions.size()) * bytes_per_vertex + double(shared.triangles.size()) * bytes_per_triangle;
+    check_memory(document_.path, bytes_, "give its instances scales other than 0");
+    Mesh mesh = shared;
+    for (V3f& p : mesh.positions) p = p * instance.to_world;
+    mesh.normals.clear();
+    mesh.tangents.clear();
+    drop_degenerate_triangles(mesh);
+    if (mesh.triangles.empty()) {
+      document_.warn(node_label(document_, node) + " scales its mesh to nothing; left out");
+      return false;
+    }
+    drop_unused_vertices(mesh);
+    const TextureUse& normal_use = scene_.materials[std::size_t(mesh.material)].normal_texture;
+    if (normal_use.texture != no_index) {
+      make_flat_normals(mesh);
+      generate_tangents(mesh, normal_use);
+    }
+    instance = {int(scene_.meshes.size()), M44f(), int(node)};
+    scene_.meshes.push_back(std::move(mesh));
+    return true;
+  }
+
+  void check_extent(std::size_t node, const Instance& instance) {
+    if (local_bounds_.size() < scene_.meshes.size()) local_bounds_.resize(scene_.meshes.size());
+    Box3f& local = local_bounds_[std::size_t(instance.mesh)];
+    if (local.isEmpty())
+      for (const V3f& p : scene_.meshes[std::size_t(instance.mesh)].positions) local.extendBy(p);
+    for (int corner = 0; corner < 8; ++corner) {
+      const V3f p = V3f((corner & 1) != 0 ? local.max.x : local.min.x, (corner & 2) != 0 ? local.max.y : local.min.y,
+                        (corner & 4) != 0 ? local.max.z : local.min.z) *
+                    instance.to_world;
+      const bool good =
+          std::abs(p.x) <= max_coordinate_m && std::abs(p.y) <= max_coordinate_m && std::abs(p.z) <= max_coordinate_m;
+      if (!good)
+        document_.fail(
+            fmt::format("{} places its mesh farther out than {} m", node_label(document_, node), max_coordinate_m),
+            "scale the model down");
+    }
+  }
+
+  // Right-handed, without scale: neither zooms a camera, nor may it mirror the picture.
+  void add_camera(std::size_t node, std::size_t index, const M44d& world) {
+    const tinygltf::Camera& source = document_.model.cameras[index];
+    const V3d z = row(world, 2).normalized();
+    const V3d x = row(world, 1).cross(z).normalized();
+    if (z.length() == 0 || x.length() == 0) {
+      document_.warn(node_label(document_, node) + " scales its camera to nothing; left out");
+      return;
+    }
+    const V3d y = z.cross(x);
+    M44d frame;
+    for (int k = 0; k < 3; ++k) {
+      frame[0][k] = x[k];
+      frame[1][k] = y[k];
+      frame[2][k] = z[k];
+      frame[3][k] = world[3][k];
+    }
+    Camera camera;
+    camera.name = source.name.empty() ? document_.model.nodes[node].name : source.name;
+    camera.to_world = to_float(frame);
+    camera.perspective = source.type == "perspective";
+    if (camera.perspective)
+      camera.yfov_rad = float(source.perspective.yfov);
+    else
+      camera.ymag_m = float(source.orthographic.ymag);
+    scene_.cameras.push_back(camera);
+  }
+
+  void add_light(std::size_t node, std::size_t index, const M44d& world) {
+    const json& light = (*find_extension(*document_.json, "KHR_lights_punctual"))["lights"][index];
+    const std::string what = label("lights", index, light.value("name", std::string()));
+    const std::string type = light["type"];
+    const float intensity = light.value("intensity", 1.0F);
+    Rgb strength(intensity);
+    if (light.contains("color")) {
+      const json& color = light["color"];
+      strength = Rgb(color[0], color[1], color[2]) * intensity;
+    }
+    if (light.contains("range"))
+      document_.warn(what + " has a range, which is ignored: light falls off with the square");
+    const V3f position{V3d(world[3][0], world[3][1], world[3][2])};
+    const V3d axis = -row(world, 2);
+    const V3f direction{axis.normalized()};
+    if (type != "point" && !(axis.length() > 0)) {
+      document_.warn(node_label(document_, node) + " scales its light's direction to nothing; left out");
+      return;
+    }
+    if (type == "point") {
+      scene_.lights.emplace_back(PointLight{position, strength});
+    } else if (type == "directional") {
+      scene_.lights.emplace_back(DirectionalLight{direction, strength});
+    } else if (type == "spot") {
+      SpotLight spot{position, direction, strength};
+      spot.inner_angle_rad = light["spot"].value("innerConeAngle", 0.0F);
+      spot.outer_angle_rad = light["spot"].value("outerConeAngle", pi / 4);
+      scene_.lights.emplace_back(spot);
+    } else {
+      document_.warn(what + " is of unknown type '" + type + "' and left out");
+    }
+  }
+
+  static V3d row(const M44d& m, int i) { return {m[i][0], m[i][1], m[i][2]}; }
+
+  Document& document_;
+  const MeshSet& meshes_;
+  Scene& scene_;
+  std::vector<Box3f> local_bounds_;
+  double bytes_ = 0;  // of what is placed, here and in the ray tracer
+};
+
+}  // namespace
+
+void place_nodes(Document& document, const MeshSet& meshes, Scene& scene) {
+  const std::vector<int> parents = find_parents(document);
+  // Of all nodes, so that a broken one is found even where this scene does not use it.
+  std::vector<M44d> locals;
+  for (std::size_t i = 0; i < parents.size(); ++i) locals.push_back(local_matrix(document, i));
+  struct Open {
+    std::size_t node;
+    M44d parent_world;
+    bool visible;
+  };
+  std::vector<Open> open;
+  const std::vector<int> roots = root_nodes(document, parents);
+  for (auto root = roots.rbegin(); root != roots.rend(); ++root) open.push_back({std::size_t(*root), M44d(), true});
+  for (std::size_t i = 0; i < parents.size(); ++i)
+    scene.nodes.push_back({document.model.nodes[i].name, parents[i], read_fiv_table(document, i)});
+  Placer placer(document, meshes, scene);
+  while (!open.empty()) {
+    const Open current = open.back();
+    open.pop_back();
+    const M44d world = locals[current.node] * current.parent_world;
+    const json* visibility = find_extension(element(document, "nodes", current.node), "KHR_node_visibility");
+    const bool visible = current.visible && (visibility == nullptr || visibility->value("visible", true));
+    placer.place(current.node, world, visible);
+    const std::vector<int>& children = document.model.nodes[current.node].children;
+    for (auto child = children.rbegin(); child != children.rend(); ++child)
+      open.push_back({std::size_t(*child), world, visible});
+  }
+}
+
+}  // namespace ivory::gltf

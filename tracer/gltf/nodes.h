@@ -1,0 +1,16 @@
+// The node tree to instances, cameras and lights. Private to the loader.
+#pragma once
+
+#include "tracer/core/scene.h"
+#include "tracer/gltf/document.h"
+#include "tracer/gltf/meshes.h"
+
+namespace ivory::gltf {
+
+// Walks the default scene (the first where the file names none; all root nodes where it has none)
+// and fills scene.instances, cameras and lights. Throws Error for cycles, nodes with two parents,
+// scenes that list a node which is not a root, and transforms that are not finite. A mesh that its
+// node flattens is copied in world space, appended to scene.meshes.
+void place_nodes(Document& document, const MeshSet& meshes, Scene& scene);
+
+}  // namespace ivory::gltf

@@ -1,0 +1,92 @@
+#include "tracer/lights/environment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "tracer/core/sampling.h"
+#include "tracer/env/latlong_map.h"
+
+namespace ivory {
+
+namespace {
+
+constexpr double pi_d = 3.14159265358979323846;
+
+// A texel between polar angles theta0 and theta1 covers (2 pi / width) (cos theta0 - cos theta1).
+double texel_solid_angle(const EnvironmentMap& map, int row) {
+  const double step = pi_d / map.height;
+  // cos a - cos b = 2 sin((a+b)/2) sin((b-a)/2) keeps its digits near the poles.
+  return 2 * pi_d / map.width * 2 * std::sin((row + 0.5) * step) * std::sin(0.5 * step);
+}
+
+// Texels are chosen by luminance times solid angle and directions uniformly within a texel, so the
+// density is luminance / integral of luminance, whichever texel the direction lies in.
+V3f sample_direction(const EnvironmentLight& light, RandomStream& random) {
+  const EnvironmentMap& map = *light.map;
+  const std::uint32_t texel = light.texels.sample(random);
+  const int row = int(texel / std::uint32_t(map.width));
+  const int column = int(texel % std::uint32_t(map.width));
+  const V2f u = random.next2();
+  const double step = pi_d / map.height;
+  const double top = std::cos(row * step);
+  const double bottom = std::cos((row + 1) * step);
+  const double y = top + (bottom - top) * double(u.x);
+  const double s = std::sqrt(std::max(0.0, (1 - y) * (1 + y)));
+  const double phi = 2 * pi_d * ((column + double(u.y)) / map.width - 0.5);  // atan2(-x, z)
+  return {float(-s * std::sin(phi)), float(y), float(s * std::cos(phi))};
+}
+
+}  // namespace
+
+EnvironmentLight make_environment_light(const EnvironmentMap& map) {
+  EnvironmentLight light;
+  light.map = &map;
+  std::vector<double> weights(map.radiance.size());
+  double integral[3] = {0, 0, 0};
+  for (int row = 0; row < map.height; ++row) {
+    const double solid_angle = texel_solid_angle(map, row);
+    for (int column = 0; column < map.width; ++column) {
+      const std::size_t i = std::size_t(row) * std::size_t(map.width) + std::size_t(column);
+      const Rgb& radiance = map.radiance[i];
+      weights[i] = double(luminance(radiance)) * solid_angle;
+      for (int c = 0; c < 3; ++c) integral[c] += double(radiance[c]) * solid_angle;
+    }
+  }
+  light.texels = AliasTable(weights);
+  light.luminance_integral = light.texels.total();
+  light.radiance_integral = Rgb(float(integral[0]), float(integral[1]), float(integral[2]));
+  return light;
+}
+
+Rgb power_lm(const EnvironmentLight& light, const BoundingSphere& sphere) {
+  return light.radiance_integral * (pi * sphere.radius_m * sphere.radius_m);
+}
+
+// A direction of density p(w) and a uniform point of the disc that faces it (1/(pi R^2)) carry
+// L pi R^2 / p(w): the same luminance for every photon.
+EmittedPhoton emit(const EnvironmentLight& light, const BoundingSphere& sphere, RandomStream& random) {
+  const V3f w = sample_direction(light, random);
+  const Frame frame = make_frame(w);
+  const V2f disc = sample_disc(random.next2()) * sphere.radius_m;
+  const float pdf = pdf_solid_angle(light, w);
+  const Rgb power = pdf > 0 ? eval(*light.map, w) * (pi * sphere.radius_m * sphere.radius_m / pdf) : Rgb(0, 0, 0);
+  return {sphere.center + w * (2 * sphere.radius_m) + frame.x * disc.x + frame.y * disc.y, -w, power};
+}
+
+std::optional<LightSample> sample(const EnvironmentLight& light, RandomStream& random) {
+  const V3f w = sample_direction(light, random);
+  // Asked again for the direction as rounded: at a texel's edge it may belong to the neighbour, and
+  // evaluation and pdf must then agree about that.
+  const float pdf = pdf_solid_angle(light, w);
+  if (!(pdf > 0)) return std::nullopt;
+  return LightSample{w, std::numeric_limits<float>::infinity(), eval(*light.map, w) / pdf, pdf, false};
+}
+
+float pdf_solid_angle(const EnvironmentLight& light, const V3f& w) {
+  if (light.texels.empty()) return 0;
+  return float(double(luminance(eval(*light.map, w))) / light.luminance_integral);
+}
+
+}  // namespace ivory

@@ -1,0 +1,72 @@
+// All that shines in a scene, under one interface: punctual lights, emissive triangles,
+// the environment. Power and an even share each decide who is picked.
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "tracer/core/intersector.h"
+#include "tracer/core/sampler.h"
+
+namespace ivory {
+
+struct EmittedPhoton {
+  V3f origin;
+  V3f direction;  // unit, the way the photon flies
+  Rgb power;      // lumen carried, so that the mean over photons times 1 is the scene's total flux
+};
+
+struct LightSample {
+  V3f w;                      // unit, towards the light
+  float distance_m = 0;       // infinity for directional lights and the environment
+  Rgb irradiance_weight;      // L / pdf_solid_angle, or I / r^2 / pick probability: times f cos gives radiance
+  float pdf_solid_angle = 0;  // of this w among all non-delta lights, pick probability included; 0 for delta lights
+  bool delta = false;
+  // Where light at a finite distance comes from: the point, the unit normal of the emitter (0 for a point in
+  // space) and its reach as offset_origin() takes it. For sample_direct() to end its shadow ray by.
+  V3f point{0, 0, 0};
+  V3f ng{0, 0, 0};
+  float reach_m = 0;
+};
+
+class Lights {
+ public:
+  // Both must outlive this object. Throws Error where a light is not finite.
+  Lights(const Scene& scene, const Intersector& intersector);
+  ~Lights();
+  Lights(Lights&&) noexcept;
+  Lights& operator=(Lights&&) noexcept;
+
+  bool empty() const;          // nothing emits
+  bool has_extended() const;   // emissive triangles or an environment: light that rays can run into
+  Rgb total_power_lm() const;  // per channel; directional and environment light enter through the
+                               // disc over the scene's bounding sphere
+
+  // Power (lm, strongest channel) that emit()'s photons carry, of the groups of lights with the strongest and with
+  // the weakest photons: what fixed-point sums are scaled by. A textured emitter's photons vary around it.
+  struct PhotonPower {
+    float strongest_lm = 0;
+    float weakest_lm = 0;
+  };
+  PhotonPower photon_power() const;
+
+  // One photon, from a light picked as in sample(). Its power is the light's flux over the odds of that.
+  EmittedPhoton emit(RandomStream& random) const;
+
+  // One light as seen from p, half by power and half evenly; nothing when that light cannot reach p
+  // (behind an emitter's dark side, outside a spot's cone). Visibility is the caller's.
+  std::optional<LightSample> sample(const V3f& p, RandomStream& random) const;
+
+  // pdf (1/sr) with which sample(p) would have chosen the direction of this hit on an emissive
+  // triangle, pick probability included; 0 for triangles that do not emit.
+  float pdf_solid_angle(const V3f& p, const Hit& hit) const;
+  // The same for the environment in direction w, and its radiance in nits.
+  float environment_pdf_solid_angle(const V3f& w) const;
+  Rgb environment_radiance(const V3f& w) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace ivory

@@ -1,0 +1,122 @@
+#include "tracer/lights/punctual.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tracer/core/sampling.h"
+
+namespace ivory {
+
+namespace {
+
+// KHR_lights_punctual: the intensity at cosine c from the axis is I a(c)^2 with
+// a(c) = clamp((c - c_outer) / max(0.001, c_inner - c_outer), 0, 1).
+// Kept as x = 1 - c, in double and without the difference: for a cone of 1e-4 rad 1 - cos is 5e-9, less than
+// float's spacing below 1.
+struct SpotCone {
+  double outer;  // 1 - c_outer
+  double width;  // of the zone where a rises from 0 to 1
+  double rise;   // the part of that zone inside the sphere of directions (x >= 0)
+};
+
+double one_minus_cosine(float angle_rad) {
+  const double s = std::sin(0.5 * double(angle_rad));
+  return 2 * s * s;
+}
+
+SpotCone cone_of(const SpotLight& light) {
+  SpotCone cone{};
+  cone.outer = one_minus_cosine(light.outer_angle_rad);
+  cone.width = std::max(0.001, cone.outer - one_minus_cosine(light.inner_angle_rad));
+  cone.rise = std::min(cone.width, cone.outer);
+  return cone;
+}
+
+// a^2 along unit w, seen from the light. 1 - c = sin^2 / (1 + c), with the sine from the cross product.
+float falloff(const SpotCone& cone, const V3f& axis, const V3f& w) {
+  const double cosine = double(axis.dot(w));
+  const double sine2 = double(axis.cross(w).length2());
+  const double x = cosine > 0 ? sine2 / (1 + cosine) : 1 - cosine;
+  const double a = std::clamp((cone.outer - x) / cone.width, 0.0, 1.0);
+  return float(a * a);
+}
+
+// Integrals of a^2 over x, in the zone where a = 1 and in the zone where it rises:
+// integral of (y/width)^2 dy from 0 to rise.
+double plateau_integral(const SpotCone& cone) { return std::max(0.0, cone.outer - cone.width); }
+double rise_integral(const SpotCone& cone) { return cone.rise * cone.rise * cone.rise / (3 * cone.width * cone.width); }
+
+Rgb power_of(const PointLight& light, const BoundingSphere&) { return light.intensity_cd * (4 * pi); }
+Rgb power_of(const SpotLight& light, const BoundingSphere&) {
+  const SpotCone cone = cone_of(light);
+  return light.intensity_cd * float(2 * double(pi) * (plateau_integral(cone) + rise_integral(cone)));
+}
+Rgb power_of(const DirectionalLight& light, const BoundingSphere& sphere) {
+  return light.illuminance_lux * (pi * sphere.radius_m * sphere.radius_m);
+}
+
+EmittedPhoton emit_from(const PointLight& light, const BoundingSphere& sphere, RandomStream& random) {
+  return {light.position, sample_sphere(random.next2()), power_of(light, sphere)};
+}
+
+// Sampled in proportion to a^2, so every photon carries the whole flux. In the rising zone the
+// density in y = c - c_outer goes as y^2, whose inverse cumulative is a cube root.
+EmittedPhoton emit_from(const SpotLight& light, const BoundingSphere& sphere, RandomStream& random) {
+  const SpotCone cone = cone_of(light);
+  const double plateau = plateau_integral(cone);
+  const double u_zone = double(random.next()) * (plateau + rise_integral(cone));
+  const V2f u = random.next2();
+  const double x =
+      u_zone < plateau ? double(u.x) * plateau : std::max(0.0, cone.outer - cone.rise * std::cbrt(1 - double(u.x)));
+  const float sine = float(std::sqrt(x * (2 - x)));
+  const float phi = 2 * pi * u.y;
+  const V3f local(sine * std::cos(phi), sine * std::sin(phi), float(1 - x));
+  return {light.position, make_frame(light.direction).to_world(local).normalized(), power_of(light, sphere)};
+}
+
+EmittedPhoton emit_from(const DirectionalLight& light, const BoundingSphere& sphere, RandomStream& random) {
+  const Frame frame = make_frame(light.direction);
+  const V2f disc = sample_disc(random.next2()) * sphere.radius_m;
+  // Twice the radius back: clear of the sphere despite rounding.
+  const V3f origin = sphere.center - light.direction * (2 * sphere.radius_m) + frame.x * disc.x + frame.y * disc.y;
+  return {origin, light.direction, power_of(light, sphere)};
+}
+
+std::optional<LightSample> sample_from(const V3f& position, const Rgb& intensity, const V3f& p) {
+  const V3f d = position - p;
+  const float r2 = d.dot(d);
+  if (!(r2 > 0)) return std::nullopt;
+  const float r = std::sqrt(r2);
+  return LightSample{d / r, r, intensity / r2, 0, true, position};
+}
+
+std::optional<LightSample> sample_at(const PointLight& light, const V3f& p) {
+  return sample_from(light.position, light.intensity_cd, p);
+}
+std::optional<LightSample> sample_at(const SpotLight& light, const V3f& p) {
+  std::optional<LightSample> s = sample_from(light.position, light.intensity_cd, p);
+  if (!s) return s;
+  const float a = falloff(cone_of(light), light.direction, -s->w);
+  if (a == 0) return std::nullopt;
+  s->irradiance_weight *= a;
+  return s;
+}
+std::optional<LightSample> sample_at(const DirectionalLight& light, const V3f&) {
+  return LightSample{-light.direction, std::numeric_limits<float>::infinity(), light.illuminance_lux, 0, true};
+}
+
+}  // namespace
+
+Rgb power_lm(const PunctualLight& light, const BoundingSphere& sphere) {
+  return std::visit([&](const auto& l) { return power_of(l, sphere); }, light);
+}
+
+EmittedPhoton emit(const PunctualLight& light, const BoundingSphere& sphere, RandomStream& random) {
+  return std::visit([&](const auto& l) { return emit_from(l, sphere, random); }, light);
+}
+
+std::optional<LightSample> sample(const PunctualLight& light, const V3f& p) {
+  return std::visit([&](const auto& l) { return sample_at(l, p); }, light);
+}
+
+}  // namespace ivory

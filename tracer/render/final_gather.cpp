@@ -1,0 +1,146 @@
+#include "tracer/render/final_gather.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "tracer/render/guard_rays.h"
+
+// At a surface x seen from wo, reflected light splits by lobe and by how far its light has come:
+//
+//   L = direct light, both lobes                                   sample_direct() and one BSDF ray (MIS)
+//     + indirect light, diffuse lobe     R_d(wo)/pi E(x)           read from what is stored, or
+//                                        1/N sum f_d cos/p L_r(y)  gathered at the hits y of N rays
+//     + indirect light, specular lobe    f_s cos/p L_r(y)          the BSDF ray again, shaded at its hit y
+//
+// L_r(y) is what y reflects, by the same sum with stored light at its diffuse lobe. What y emits is left out:
+// to x that is direct light.
+
+namespace ivory {
+
+namespace {
+
+// Random numbers of a gather ray that are spread evenly over all gather rays of a pixel: its direction,
+// coverage, and the light (which, where on it) at its hit.
+constexpr std::uint32_t even_calls = 5;
+
+struct Gatherer {
+  const Intersector& intersector;
+  const Lights& lights;
+  const IndirectLight& indirect;
+  const GatherParams& params;
+
+  Rgb from_store(const Surface& surface, const Bsdf& bsdf, const V3f& wo) const {
+    const Rgb reflectance = diffuse_reflectance(bsdf, wo);
+    return is_black(reflectance) ? reflectance : reflectance / pi * indirect(surface);
+  }
+
+  Rgb gathered(const Surface& surface, const Bsdf& bsdf, const V3f& wo, RandomStream& random) const {
+    Rgb sum(0, 0, 0);
+    if (is_black(bsdf.diffuse_albedo)) return sum;
+    for (int i = 0; i < params.gather_rays; ++i) {
+      random.begin_branch(std::uint32_t(i), std::uint32_t(params.gather_rays), even_calls);
+      const std::optional<BsdfSample> s = sample(bsdf, wo, 1, random.next2(), Lobes::diffuse);
+      if (!s) continue;
+      Ray ray;
+      ray.origin = offset_origin(surface.p, surface.ng, s->wi, surface.reach_m);
+      ray.direction = s->wi;
+      ray.coverage_seed = random.next_u32();
+      const std::optional<Hit> hit = intersector.closest(ray);
+      if (!hit) continue;
+      const Surface y = make_surface(intersector.scene(), ray, *hit);
+      sum += s->throughput * reflected(y, -s->wi, /*first=*/false, random);
+    }
+    random.end_branches();
+    return sum / float(params.gather_rays);
+  }
+
+  // Radiance that the surface reflects towards wo; `first` for the first surface seen.
+  Rgb reflected(const Surface& first_surface, const V3f& first_wo, bool first, RandomStream& random) const {
+    Rgb radiance(0, 0, 0);
+    Rgb throughput(1, 1, 1);
+    Surface surface = first_surface;
+    V3f wo = first_wo;
+    for (int bounce = 0; bounce < params.max_specular_bounces; ++bounce) {
+      const Bsdf bsdf = make_bsdf(surface);
+      const bool seen_first = first && bounce == 0;
+      const bool counts_direct = !(seen_first && params.indirect_only);
+      if (counts_direct)
+        radiance += throughput * sample_direct(intersector, lights, surface, bsdf, wo, params.strategy, random);
+      radiance += throughput * (seen_first && params.gather_rays > 0 ? gathered(surface, bsdf, wo, random)
+                                                                     : from_store(surface, bsdf, wo));
+
+      const bool looks_for_light = counts_direct && lights.has_extended();
+      const bool reflects = !(is_black(bsdf.f0) && is_black(bsdf.f90));
+      if (!looks_for_light && !reflects) break;
+      const float u_lobe = random.next();
+      const std::optional<BsdfSample> s =
+          sample(bsdf, wo, u_lobe, random.next2(), looks_for_light ? Lobes::all : Lobes::specular);
+      if (!s) break;
+
+      // The specular lobe's share of this ray goes on, if Russian roulette lets it: weak reflections
+      // cost as much to shade as strong ones, which a survival of the root of their weight balances.
+      Rgb specular(0, 0, 0);
+      if (reflects) {
+        specular = throughput * eval(bsdf, wo, s->wi, Lobes::specular) / s->pdf_solid_angle;
+        const float survival = std::min(1.0F, std::sqrt(max_component(specular)));
+        specular = survival > 0 && random.next() < survival ? specular / survival : Rgb(0, 0, 0);
+      }
+      if (is_black(specular) && !looks_for_light) break;
+
+      Ray ray;
+      ray.origin = offset_origin(surface.p, surface.ng, s->wi, surface.reach_m);
+      ray.direction = s->wi;
+      ray.coverage_seed = random.next_u32();
+      const std::optional<Hit> hit = intersector.closest(ray);
+      if (!hit) {
+        if (looks_for_light) {
+          radiance += throughput * s->throughput * lights.environment_radiance(s->wi) *
+                      environment_weight(lights, s->wi, s->pdf_solid_angle, params.strategy);
+        }
+        break;
+      }
+      const V3f p = surface.p;
+      surface = make_surface(intersector.scene(), ray, *hit);
+      wo = -s->wi;
+      if (looks_for_light && !is_black(surface.emission)) {
+        radiance += throughput * s->throughput * surface.emission *
+                    emission_weight(lights, p, *hit, s->pdf_solid_angle, params.strategy);
+      }
+      if (is_black(specular)) break;
+      throughput = specular;
+    }
+    return radiance;
+  }
+};
+
+}  // namespace
+
+IndirectLight indirect_light(const Intersector& intersector, const GridLight& grid) {
+  return [&intersector, &grid](const Surface& surface) {
+    return lookup_irradiance(*grid.grid, &intersector, grid.guard, surface.p, surface.ng, surface.ns, grid.lookup);
+  };
+}
+
+Rgb trace_gather(const Intersector& intersector, const Lights& lights, const IndirectLight& indirect, const Ray& ray,
+                 const GatherParams& params, RandomStream& random) {
+  const std::optional<Hit> hit = intersector.closest(ray);
+  if (!hit) return params.indirect_only ? Rgb(0, 0, 0) : lights.environment_radiance(ray.direction);
+  const Surface surface = make_surface(intersector.scene(), ray, *hit);
+  const Rgb emission = params.indirect_only ? Rgb(0, 0, 0) : surface.emission;
+  const Gatherer gatherer{intersector, lights, indirect, params};
+  return emission + gatherer.reflected(surface, -ray.direction, /*first=*/true, random);
+}
+
+Rgb trace_gather(const Intersector& intersector, const Lights& lights, const GridLight& grid, const Ray& ray,
+                 const GatherParams& params, RandomStream& random) {
+  return trace_gather(intersector, lights, indirect_light(intersector, grid), ray, params, random);
+}
+
+Film render_gather(const Intersector& intersector, const Lights& lights, const IndirectLight& indirect,
+                   const View& view, const RenderParams& render, const GatherParams& params) {
+  return render_film(view, render, [&](const Ray& ray, RandomStream& random) {
+    return trace_gather(intersector, lights, indirect, ray, params, random);
+  });
+}
+
+}  // namespace ivory

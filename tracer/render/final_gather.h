@@ -1,0 +1,45 @@
+// Rendering from stored indirect light: read at the visible surface, or gathered one bounce away from it.
+// Camera, direct light and film are the path tracer's.
+#pragma once
+
+#include <functional>
+
+#include "grid/field/irradiance_grid.h"
+#include "tracer/render/direct_light.h"
+#include "tracer/render/render.h"
+
+namespace ivory {
+
+// A grid and how it is read. It must hold indirect light only.
+struct GridLight {
+  const IrradianceGrid* grid = nullptr;
+  Guard guard = Guard::rays;
+  LookupParams lookup;
+};
+
+// E in lux of indirect light at a surface, from whatever stores it. Called from any thread.
+using IndirectLight = std::function<Rgb(const Surface&)>;
+// The grid's; what it refers to must outlive it.
+IndirectLight indirect_light(const Intersector& intersector, const GridLight& grid);
+
+struct GatherParams {
+  // Rays a sample that gather light at the first surface seen; 0 reads the stored light there.
+  int gather_rays = 0;
+  // Surfaces in a row whose microfacet reflections are followed; light that they reflect is shaded with
+  // direct and stored light.
+  int max_specular_bounces = 16;
+  // Only light with at least one more surface between its source and the first surface seen.
+  bool indirect_only = false;
+  DirectStrategy strategy = DirectStrategy::mis;
+};
+
+// One estimate of the radiance in nits along an eye ray.
+Rgb trace_gather(const Intersector& intersector, const Lights& lights, const IndirectLight& indirect, const Ray& ray,
+                 const GatherParams& params, RandomStream& random);
+Rgb trace_gather(const Intersector& intersector, const Lights& lights, const GridLight& grid, const Ray& ray,
+                 const GatherParams& params, RandomStream& random);
+
+Film render_gather(const Intersector& intersector, const Lights& lights, const IndirectLight& indirect,
+                   const View& view, const RenderParams& render, const GatherParams& params);
+
+}  // namespace ivory

@@ -1,0 +1,25 @@
+// Rendering by FIV tables: diffuse light of an environment, shadowed by moving occluders.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "grid/fiv/light.h"
+#include "tracer/lights/lights.h"
+#include "tracer/render/render.h"
+
+namespace ivory {
+
+struct FivScene {
+  std::vector<FivPlacement> occluders;
+  std::vector<int> occluder_of;                 // for each of the scene's instances: index of its occluder, or -1
+  std::function<Rgb(const V3f& n)> unshadowed;  // E(n) of the environment in lux
+};
+
+// Every surface seen reflects E / pi by diffuse_reflectance() (bsdf.h); occluders shadow all others and themselves,
+// nothing else casts shadows, and microfacet lobes are left out. What shines by itself and the environment behind are
+// seen as they are. Needs no rays but the eye's.
+Film render_fiv(const FivScene& scene, const Intersector& intersector, const Lights& lights, const View& view,
+                const RenderParams& render, const FivLightParams& params);
+
+}  // namespace ivory

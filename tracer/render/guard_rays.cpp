@@ -1,0 +1,69 @@
+#include "tracer/render/guard_rays.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+
+#include "grid/field/lookup.h"
+#include "tracer/core/surface.h"
+
+namespace ivory {
+namespace {
+
+V3f vertex_position(const GridFrame& frame, std::uint32_t vertex) {
+  const auto row = std::uint32_t(frame.size.x);
+  const auto plane = row * std::uint32_t(frame.size.y);
+  return frame.to_world(V3f(static_cast<float>(vertex % row), static_cast<float>(vertex % plane / row),
+                            static_cast<float>(vertex / plane)));
+}
+
+std::uint64_t visible_by_rays(const IrradianceGrid& grid, const Intersector& intersector, const V3f& p,
+                              const Footprint& footprint) {
+  std::uint64_t visible = 0;
+  std::array<V3f, 8> targets;
+  std::array<int, 8> entries{};
+  int filled = 0;
+  const auto query = [&] {
+    const std::uint32_t bits = intersector.visible(p, targets, filled);
+    for (int i = 0; i < filled; ++i) {
+      if (((bits >> unsigned(i)) & 1U) != 0) visible |= std::uint64_t(1) << unsigned(entries[std::size_t(i)]);
+    }
+    filled = 0;
+  };
+  for (int i = 0; i < footprint.count; ++i) {
+    const std::uint32_t vertex = footprint.vertex[std::size_t(i)];
+    if (footprint.weight[std::size_t(i)] == 0 || grid.visible_fraction[vertex] <= 0) continue;
+    targets[std::size_t(filled)] = vertex_position(grid.frame, vertex);
+    entries[std::size_t(filled++)] = i;
+    if (filled == 8) query();
+  }
+  if (filled > 0) query();
+  return visible;
+}
+
+}  // namespace
+
+Footprint lookup_footprint(const IrradianceGrid& grid, const Intersector* intersector, Guard guard, const V3f& p,
+                           const V3f& ng, const LookupParams& params) {
+  if (guard != Guard::rays) return lookup_footprint(grid, guard, p, ng, params);
+  assert(intersector != nullptr);
+  float distance_m = nudge_m(grid.frame, params);
+  V3f origin = offset_origin(p, ng, ng);
+  auto ahead = intersector->closest({.origin = origin, .direction = ng, .t_max = 2 * distance_m});
+  if (ahead && is_own_surface(intersector->scene(), *ahead, ahead->t, ng)) {
+    origin = offset_origin(p, ng, ng, triangle_reach_m(intersector->scene(), ahead->instance, ahead->triangle));
+    ahead = intersector->closest({.origin = origin, .direction = ng, .t_max = 2 * distance_m});
+  }
+  if (ahead) distance_m = std::min(distance_m, ahead->t / 2);
+  const V3f nudged = origin + ng * distance_m;
+  return guarded_footprint(grid, nudged, params.interpolation, [&](const Footprint& footprint) {
+    return visible_by_rays(grid, *intersector, nudged, footprint);
+  });
+}
+
+Rgb lookup_irradiance(const IrradianceGrid& grid, const Intersector* intersector, Guard guard, const V3f& p,
+                      const V3f& ng, const V3f& n, const LookupParams& params) {
+  return irradiance(grid, lookup_footprint(grid, intersector, guard, p, ng, params), n, params.reconstruction);
+}
+
+}  // namespace ivory

@@ -1,0 +1,40 @@
+// Direct light of spherical lights by products of cosine lobes, with soft shadows from sphere sets; and its Monte
+// Carlo twin, which differs in nothing but how the integral is done.
+#pragma once
+
+#include "tracer/bsdf/lobe_reflectance.h"
+#include "tracer/render/render.h"
+
+namespace ivory {
+
+// Who casts shadows, and how the light is integrated.
+enum class LobeShadows {
+  lobes,    // sphere sets; masks and lobe products
+  none,     // nothing; lobe products
+  spheres,  // sphere sets; Monte Carlo, stratified over the light
+  mesh,     // the scene's triangles; Monte Carlo, stratified over the light
+};
+
+struct LobeParams : LobeLightParams {
+  LobeShadows shadows = LobeShadows::lobes;
+  int shadow_rays = 64;  // a light and sample, for spheres and mesh
+};
+
+struct LobeScene {
+  LobeTable table;
+  std::vector<SphereLight> lights;
+  SphereGroups occluders;  // the sphere sets', placed, and the lights themselves
+};
+
+// Radiance in nits that `reflectance` sends on from the lights; of the surface, only place, geometric normal and reach
+// are read.
+// `random` is drawn from by the Monte Carlo twin alone. Lights that hold the place give nothing; spheres that hold it
+// cast no shadow there.
+Rgb lobe_direct_light(const LobeScene& lobes, const Intersector& intersector, const Surface& surface,
+                      const LobeReflectance& reflectance, const LobeParams& params, RandomStream& random);
+
+// What the eye sees: emission and direct light of the first surface.
+Film render_lobes(const LobeScene& lobes, const Intersector& intersector, const View& view, const RenderParams& render,
+                  const LobeParams& params);
+
+}  // namespace ivory

@@ -1,0 +1,31 @@
+// The reference: path tracing with next-event estimation, multiple importance sampling and Russian
+// roulette. Unbiased but for max_bounces.
+#pragma once
+
+#include "tracer/render/direct_light.h"
+#include "tracer/render/render.h"
+
+namespace ivory {
+
+struct PathParams {
+  // Surfaces that light may scatter at between its source and the eye; 1 is direct light, 0 only
+  // what shines by itself. Russian roulette ends paths long before the default.
+  int max_bounces = 1000;
+  // Only light with at least one more surface between its source and the first surface seen.
+  bool indirect_only = false;
+  DirectStrategy strategy = DirectStrategy::mis;
+};
+
+// One estimate of the radiance in nits that arrives at the ray's origin against its direction.
+Rgb trace_path(const Intersector& intersector, const Lights& lights, const Ray& ray, const PathParams& params,
+               RandomStream& random);
+
+// One estimate of the radiance in nits that `surface` scatters towards wo: its own emission does
+// not count, and for indirect_only it is the first surface seen.
+Rgb trace_scattered(const Intersector& intersector, const Lights& lights, const Surface& surface, const V3f& wo,
+                    const PathParams& params, RandomStream& random);
+
+Film render_path(const Intersector& intersector, const Lights& lights, const View& view, const RenderParams& render,
+                 const PathParams& params);
+
+}  // namespace ivory

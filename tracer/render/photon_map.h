@@ -1,0 +1,47 @@
+// A photon map with precomputed irradiance: the rival that irradiance-vector grids are charted against.
+// H. W. Jensen, "Global illumination using photon maps", 1996; P. H. Christensen, "Faster photon map global
+// illumination", 1999.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+#include "tracer/core/intersector.h"
+#include "tracer/lights/lights.h"
+
+namespace ivory {
+
+struct PhotonMapParams {
+  std::uint64_t photons = 1'000'000;  // to send out from the lights; each is stored at every diffuse surface it meets
+  int neighbours = 50;                // photons an estimate counts, at least 2
+  int max_bounces = 1000;
+  std::uint64_t seed = 1;
+  int threads = 0;  // 0: as many as TBB gives
+  std::function<void(std::uint64_t done, std::uint64_t total)>
+      progress;  // photons, then estimates, each photon and each estimate one; from any thread, one at a time
+};
+
+// Indirect light only. Bits do not depend on threads.
+class PhotonMap {
+ public:
+  // Throws Error where nothing shines or where memory would not suffice.
+  PhotonMap(const Intersector& intersector, const Lights& lights, const PhotonMapParams& params);
+  ~PhotonMap();
+  PhotonMap(PhotonMap&&) noexcept;
+  PhotonMap& operator=(PhotonMap&&) noexcept;
+
+  // E in lux on the side of unit n at p: that of the nearest estimate on a surface that faces alike, black where
+  // there is none within reach.
+  Rgb irradiance(const V3f& p, const V3f& n) const;
+
+  std::size_t photons_stored() const;
+  std::size_t estimates() const;
+  std::size_t bytes() const;  // of what irradiance() reads: estimates and their tree
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace ivory

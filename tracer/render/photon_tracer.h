@@ -1,0 +1,71 @@
+// Photons from the lights through the scene, as straight segments with the power they carry.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tracer/core/intersector.h"
+#include "tracer/lights/lights.h"
+
+namespace ivory {
+
+struct PhotonSegment {
+  V3f origin;
+  V3f direction;       // unit, the way the photon flies; the light arrives from w = -direction
+  float length_m = 0;  // infinity where it leaves the scene
+  Rgb power_lm;        // per photon: divide by the number of photons traced
+  float jitter = 0;    // uniform in [0, 1), for whoever samples positions along the segment
+};
+
+// A photon that meets a surface.
+struct PhotonArrival {
+  V3f p;
+  V3f n;         // unit geometric normal, on the side that the photon came from
+  Rgb power_lm;  // per photon: divide by the number of photons traced
+};
+
+struct PhotonParams {
+  int max_bounces = 1000;       // Russian roulette ends paths long before; this bounds the time in a mirror box
+  bool include_direct = false;  // also segments and arrivals that come straight from a light
+  std::uint64_t seed = 1;
+};
+
+// Where the power went, per photon traced, in units of `unit_lm` summed over rgb. Integers, so that
+// ranges of photons add up exactly: emitted == absorbed + escaped + terminated, to the unit.
+struct PhotonLedger {
+  std::int64_t emitted = 0;
+  std::int64_t absorbed = 0;
+  std::int64_t escaped = 0;
+  std::int64_t terminated = 0;  // still under way at max_bounces
+  std::int64_t photons = 0;
+  std::int64_t rays = 0;  // closest-hit queries, the first segment of each photon included
+  PhotonLedger& operator+=(const PhotonLedger& other);
+};
+
+class PhotonTracer {
+ public:
+  // All must outlive this object.
+  PhotonTracer(const Intersector& intersector, const Lights& lights, const PhotonParams& params);
+
+  // Traces photons [begin, end) and appends their segments, photon by photon.
+  void trace(std::uint64_t begin, std::uint64_t end, std::vector<PhotonSegment>& segments, PhotonLedger& ledger) const;
+
+  // The same photons; appends where they meet surfaces that have a diffuse lobe, photon by photon.
+  void trace_arrivals(std::uint64_t begin, std::uint64_t end, std::vector<PhotonArrival>& arrivals,
+                      PhotonLedger& ledger) const;
+
+  double ledger_unit_lm() const { return ledger_unit_lm_; }
+
+ private:
+  // Calls segment(ray, hit, power, jitter) for each segment and arrival(surface, power) where one ends at a surface.
+  template <typename OnSegment, typename OnArrival>
+  void trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLedger& ledger, const OnSegment& segment,
+                   const OnArrival& arrival) const;
+
+  const Intersector& intersector_;
+  const Lights& lights_;
+  PhotonParams params_;
+  double ledger_unit_lm_;
+};
+
+}  // namespace ivory

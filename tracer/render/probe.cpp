@@ -1,0 +1,76 @@
+#include "tracer/render/probe.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cassert>
+#include <cmath>
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include "tracer/render/path_tracer.h"
+
+namespace ivory {
+
+namespace {
+
+// A white Lambertian surface scatters L = E/pi, so E is pi times what a path from it brings. Such a
+// surface adds one bounce of its own.
+ProbeResult probe_point(const Intersector& intersector, const Lights& lights, const ProbePoint& point,
+                        const ProbeParams& params, std::uint64_t index) {
+  Surface white;
+  white.p = point.p;
+  white.ng = point.n;
+  white.ns = point.n;
+  white.diffuse_albedo = Rgb(1, 1, 1);
+  white.specular_f0 = Rgb(0, 0, 0);
+  white.specular_f90 = Rgb(0, 0, 0);
+  white.emission = Rgb(0, 0, 0);
+  white.reach_m = own_surface_reach_m(intersector, point.p, point.n);
+
+  PathParams path;
+  path.max_bounces = params.max_bounces + 1;
+  path.indirect_only = params.indirect_only;
+  path.strategy = params.strategy;
+
+  RandomStream random(params.seed, StreamPurpose::probe, index);
+  // Welford's running mean and squared deviations, in double.
+  double mean[3] = {0, 0, 0};
+  double deviations[3] = {0, 0, 0};
+  for (int i = 0; i < params.samples; ++i) {
+    const Rgb e = trace_scattered(intersector, lights, white, point.n, path, random) * pi;
+    for (int c = 0; c < 3; ++c) {
+      const double delta = double(e[c]) - mean[c];
+      mean[c] += delta / (i + 1);
+      deviations[c] += delta * (double(e[c]) - mean[c]);
+    }
+  }
+  ProbeResult result;
+  const double n = params.samples;
+  for (int c = 0; c < 3; ++c) {
+    result.e[c] = float(mean[c]);
+    result.standard_error[c] = params.samples > 1 ? float(std::sqrt(deviations[c] / (n * (n - 1)))) : 0.0F;
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<ProbeResult> probe_scene([[maybe_unused]] const Scene& scene, const Intersector& intersector,
+                                     const Lights& lights, const std::vector<ProbePoint>& points,
+                                     const ProbeParams& params) {
+  assert(&scene == &intersector.scene());
+  std::vector<ProbeResult> results(points.size());
+  std::atomic<std::size_t> done{0};
+  tbb::task_arena arena(params.threads > 0 ? params.threads : tbb::task_arena::automatic);
+  arena.execute([&] {
+    tbb::parallel_for(std::size_t(0), points.size(), [&](std::size_t i) {
+      results[i] = probe_point(intersector, lights, points[i], params, i);
+      const std::size_t finished = ++done;
+      if (params.progress) params.progress(double(finished) / double(points.size()));
+    });
+  });
+  return results;
+}
+
+}  // namespace ivory

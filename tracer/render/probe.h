@@ -1,0 +1,37 @@
+// Irradiance at points, path-traced: the truth that baked assets are judged by.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "tracer/render/direct_light.h"
+
+namespace ivory {
+
+struct ProbePoint {
+  V3f p;
+  V3f n;  // unit
+};
+
+struct ProbeParams {
+  int samples = 1024;      // a point
+  int max_bounces = 1000;  // surfaces that light may scatter at on its way to the point
+  std::uint64_t seed = 1;
+  int threads = 0;  // 0: as many as TBB gives
+  bool indirect_only = false;
+  DirectStrategy strategy = DirectStrategy::mis;
+  std::function<void(double)> progress;  // called now and then, from any thread, with the fraction done
+};
+
+struct ProbeResult {
+  Rgb e;               // irradiance in lux
+  Rgb standard_error;  // of e, lux
+};
+
+// E(p, n), including light that comes straight from its source unless indirect_only. A point may lie on a
+// surface: rays start a little above it, on the side of n. Samples are independent, so that the
+// standard error holds; results do not depend on threads.
+std::vector<ProbeResult> probe_scene(const Scene& scene, const Intersector& intersector, const Lights& lights,
+                                     const std::vector<ProbePoint>& points, const ProbeParams& params);
+
+}  // namespace ivory
