@@ -13,13 +13,13 @@
 // All functions need a current OpenGL 3.3 core context and throw ivory::Error: "<file>: <cause>; <remedy>".
 #pragma once
 
-#include "runtime/ambient.h"          // IWYU pragma: export
-#include "runtime/difmap.h"           // IWYU pragma: export
-#include "runtime/fiv.h"              // IWYU pragma: export
-#include "runtime/gl.h"               // IWYU pragma: export
-#include "runtime/irradiance_grid.h"  // IWYU pragma: export
-#include "runtime/lobes.h"            // IWYU pragma: export
-#include "runtime/localized_cube.h"   // IWYU pragma: export
-#include "runtime/renderer.h"         // IWYU pragma: export
-#include "runtime/sh9.h"              // IWYU pragma: export
-#include "runtime/shader_source.h"    // IWYU pragma: export
+#include "runtime/assets/ambient.h"          // IWYU pragma: export
+#include "runtime/assets/cubemap.h"          // IWYU pragma: export
+#include "runtime/assets/difmap.h"           // IWYU pragma: export
+#include "runtime/assets/fiv.h"              // IWYU pragma: export
+#include "runtime/assets/irradiance_grid.h"  // IWYU pragma: export
+#include "runtime/assets/lobes.h"            // IWYU pragma: export
+#include "runtime/assets/sh9.h"              // IWYU pragma: export
+#include "runtime/gl/gl.h"                   // IWYU pragma: export
+#include "runtime/gl/shader_source.h"        // IWYU pragma: export
+#include "runtime/renderer/renderer.h"       // IWYU pragma: export

@@ -9,7 +9,7 @@
 #include "grid/base/half.h"
 #include "grid/field/compact_vectors.h"
 #include "grid/field/lookup.h"
-#include "runtime/irradiance_grid.h"
+#include "runtime/assets/irradiance_grid.h"
 #include "tests/runtime_twin.h"
 
 namespace ivory {

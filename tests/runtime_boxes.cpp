@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/boxes.h"
+#include "runtime/gl/boxes.h"
 
 namespace ivory {
 namespace {

@@ -1,4 +1,4 @@
-// shaders/bsdf.glsl against tracer/bsdf/bsdf.cpp.
+// shaders/renderer/bsdf.glsl against tracer/bsdf/bsdf.cpp.
 #include <gtest/gtest.h>
 
 #include "tests/runtime_twin.h"
@@ -54,7 +54,7 @@ std::vector<V4f> evaluate(const std::vector<Case>& cases, const std::string& exp
     inputs[3][i] = to_v4(c.wi, c.surface.roughness_alpha);
   }
   return evaluate_on_gpu(R"(
-#include "bsdf.glsl"
+#include "renderer/bsdf.glsl"
 vec4 evaluate(int i) {
   IvorySurface s;
   s.ns = input0(i).xyz;

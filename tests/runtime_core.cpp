@@ -3,8 +3,8 @@
 
 #include "grid/base/error.h"
 #include "grid/base/half.h"
-#include "runtime/gl_check.h"
-#include "runtime/shader_source.h"
+#include "runtime/gl/check.h"
+#include "runtime/gl/shader_source.h"
 #include "tests/runtime_twin.h"
 
 namespace ivory {

@@ -1,4 +1,5 @@
-// shaders/fast_angle.glsl, cube_map.glsl, localized_cube.glsl against their C++ twins, and cube maps as GL objects.
+// shaders/base/fast_angle.glsl, env/cube_map.glsl, cubemap/localized.glsl against their C++ twins, and cube maps as GL
+// objects.
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -9,7 +10,7 @@
 #include "grid/base/fast_angle.h"
 #include "grid/cubemap/edges.h"
 #include "grid/io/cubemap.h"
-#include "runtime/localized_cube.h"
+#include "runtime/assets/cubemap.h"
 #include "tests/runtime_twin.h"
 #include "tools/stability/cube_builder.h"
 
@@ -31,7 +32,7 @@ TEST_F(RuntimeCubemap, FastAngle) {
   while (int(in.size()) < count)
     in.emplace_back(std::ldexp(normal(random), power(random)), std::ldexp(normal(random), power(random)), 0.0F, 0.0F);
   const auto out = evaluate_on_gpu(
-      "#include \"fast_angle.glsl\"\nvec4 evaluate(int i) { vec4 a = input0(i); return vec4(ivory_fast_angle(a.x, "
+      "#include \"base/fast_angle.glsl\"\nvec4 evaluate(int i) { vec4 a = input0(i); return vec4(ivory_fast_angle(a.x, "
       "a.y)); }",
       {in});
   for (int i = 0; i < count; ++i) {
@@ -53,7 +54,7 @@ TEST_F(RuntimeCubemap, CubePosition) {
   while (int(in.size()) < count)
     in.push_back(to_v4(random_direction(random) * std::ldexp(1.0F, int(random() % 40) - 20)));
   const auto out = evaluate_on_gpu(R"(
-#include "cube_map.glsl"
+#include "env/cube_map.glsl"
 vec4 evaluate(int i) {
   int face; float s, t;
   ivory_cube_position(input0(i).xyz, face, s, t);

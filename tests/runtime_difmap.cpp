@@ -8,7 +8,7 @@
 #include "grid/base/error.h"
 #include "grid/base/half.h"
 #include "grid/io/difmap.h"
-#include "runtime/difmap.h"
+#include "runtime/assets/difmap.h"
 #include "tests/runtime_twin.h"
 
 namespace ivory {
@@ -52,7 +52,7 @@ std::vector<V4f> normals_for(int size) {
 
 std::vector<V4f> read(const GpuDifMap& gpu, const std::vector<V4f>& normals) {
   return evaluate_on_gpu(
-      "#include \"ambient_difmap.glsl\"\n"
+      "#include \"ambient/difmap.glsl\"\n"
       "vec4 evaluate(int i) { return vec4(ivory_ambient(vec3(7.0), input0(i).xyz, input0(i).xyz), 1.0); }",
       {normals}, [&](gl::Program& program) { EXPECT_EQ(bind(gpu, program, 2), 3); });
 }

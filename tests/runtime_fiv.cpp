@@ -6,7 +6,7 @@
 
 #include "grid/base/error.h"
 #include "grid/base/half.h"
-#include "runtime/fiv.h"
+#include "runtime/assets/fiv.h"
 #include "tests/fiv_synthetic.h"
 #include "tests/runtime_twin.h"
 
@@ -54,7 +54,7 @@ std::vector<V4f> places(const std::vector<FivTable>& tables) {
 }
 
 const std::string read_table =
-    "#include \"ambient_fiv.glsl\"\n"
+    "#include \"ambient/fiv.glsl\"\n"
     "IvoryFivTable table(int i) { return ivory_fiv_tables[int(input0(i).w)]; }\n"
     "IvoryFivMoments moments(int i) { return ivory_lookup(ivory_fiv_atlas, ivory_fiv_spheres, table(i), "
     "input0(i).xyz, true); }\n";

@@ -6,7 +6,7 @@
 
 #include "grid/base/error.h"
 #include "grid/io/fiv.h"
-#include "runtime/fiv.h"
+#include "runtime/assets/fiv.h"
 #include "tests/fiv_synthetic.h"
 #include "tests/runtime_twin.h"
 

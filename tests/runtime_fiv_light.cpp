@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "runtime/fiv.h"
+#include "runtime/assets/fiv.h"
 #include "tests/fiv_synthetic.h"
 #include "tests/runtime_twin.h"
 
@@ -80,7 +80,7 @@ class RuntimeFivLight : public GlTest {
     const auto in = receivers();
     const std::vector<V4f> e = evaluate_on_gpu(
         fiv_defines(params.overlap, self >= 0) +
-            "#include \"ambient_fiv.glsl\"\n"
+            "#include \"ambient/fiv.glsl\"\n"
             "vec4 evaluate(int i) { return vec4(ivory_ambient(input0(i).xyz, input1(i).xyz, input1(i).xyz), 1.0); }",
         in, [&](gl::Program& program) { bind(gpu, gpu_unshadowed, program, 0, params.straddling, self); });
     const std::vector<FivPlacement> placements = twin(occluders);

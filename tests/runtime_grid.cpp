@@ -60,7 +60,7 @@ Inputs random_inputs(const GridFrame& frame, std::uint32_t seed) {
 
 std::string source(const std::string& defines) {
   return defines +
-         "#include \"ambient_grid.glsl\"\n"
+         "#include \"ambient/grid.glsl\"\n"
          "vec4 evaluate(int i) { return vec4(ivory_ambient(input0(i).xyz, input1(i).xyz, input2(i).xyz), 1.0); }\n";
 }
 

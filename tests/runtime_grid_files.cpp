@@ -62,7 +62,7 @@ TEST_F(RuntimeGridFile, BakedGridsLoseHalfRoundingOnlyAsMoments) {
       const GridReadParams params{{}, guard};
       const auto evaluate = [&](const GpuGrid& gpu) {
         return evaluate_on_gpu(grid_defines(gpu, params) +
-                                   "#include \"ambient_grid.glsl\"\n"
+                                   "#include \"ambient/grid.glsl\"\n"
                                    "vec4 evaluate(int i) { return vec4(ivory_ambient(input0(i).xyz, input1(i).xyz, "
                                    "input1(i).xyz), 1.0); }",
                                {p, n}, [&](gl::Program& program) { bind(gpu, program, 0, params); });
@@ -129,7 +129,7 @@ TEST_F(RuntimeGridFile, VerticesAreReadBack) {
       for (int f = 0; f < 12; ++f) which.emplace_back(float(v % 3), float(v / 3 % 4), float(v / 12), float(f));
     }
     const std::vector<V4f> result = evaluate_on_gpu(
-        "#include \"ambient_grid.glsl\"\n"
+        "#include \"ambient/grid.glsl\"\n"
         "vec4 evaluate(int i) { vec3 m[12]; ivec4 which = ivec4(input0(i));\n"
         "  ivory_vertex_moments(ivory_grid, ivory_grid_volumes, ivory_grid_trust, which.xyz, vec3(0.6, 0.0, 0.8), m);\n"
         "  vec3 p = ivory_grid_vertex_position(ivory_grid, which.xyz);\n"
@@ -188,7 +188,7 @@ TEST_F(RuntimeGridFile, LongGridsFitByArrangement) {
   }
   const GridReadParams params{{Interpolation::trilinear, Reconstruction::optimal, 0}, Guard::off};
   const std::vector<V4f> result = evaluate_on_gpu(
-      "#include \"ambient_grid.glsl\"\n"
+      "#include \"ambient/grid.glsl\"\n"
       "vec4 evaluate(int i) { return vec4(ivory_ambient(input0(i).xyz, vec3(0.0), vec3(0.6, 0.0, 0.8)), 1.0); }",
       {p}, [&](gl::Program& program) { bind(gpu, program, 0, params); });
   int compared = 0;

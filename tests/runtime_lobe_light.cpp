@@ -1,11 +1,11 @@
-// shaders/lobe_visibility.glsl and lobe_light.glsl against their C++ twins: masks bit by bit, leaves, and the light.
+// shaders/lobes/visibility.glsl and lobes/light.glsl against their C++ twins: masks bit by bit, leaves, and the light.
 #include <bit>
 #include <cmath>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "runtime/lobes.h"
+#include "runtime/assets/lobes.h"
 #include "tests/runtime_twin.h"
 
 namespace ivory {
@@ -55,7 +55,7 @@ std::vector<V4f> repeated(const std::vector<V4f>& in, int times) {
 Sphere sphere_of(const V4f& v) { return {xyz(v), v.w}; }
 
 constexpr const char* make_rows = R"(
-#include "lobe_visibility.glsl"
+#include "lobes/visibility.glsl"
 uniform float grow;
 IvoryLightCap cap_of(int i) { return ivory_make_light_cap(input1(i), input0(i).xyz); }
 void rows_of(int i, out uint rows[IVORY_MASK_SIZE]) {

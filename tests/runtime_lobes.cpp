@@ -1,4 +1,5 @@
-// shaders/lobe.glsl, lobe_table.glsl, sphere_set.glsl against their C++ twins, and lobe tables as GL objects.
+// shaders/lobes/lobe.glsl, lobes/table.glsl, lobes/sphere_set.glsl against their C++ twins, and lobe tables as GL
+// objects.
 #include <cmath>
 #include <fstream>
 
@@ -7,7 +8,7 @@
 
 #include "grid/base/error.h"
 #include "grid/io/lobes.h"
-#include "runtime/lobes.h"
+#include "runtime/assets/lobes.h"
 #include "tests/runtime_twin.h"
 
 namespace ivory {
@@ -62,7 +63,7 @@ Lobe lobe_of(const V4f& v) { return {xyz(v), v.w, 1}; }
 TEST_F(RuntimeLobes, ClosedForms) {
   const LobePairs in = random_pairs(1);
   const auto out = evaluate_on_gpu(R"(
-#include "lobe.glsl"
+#include "lobes/lobe.glsl"
 vec4 evaluate(int i) {
   vec4 a = input0(i); vec4 b = input1(i);
   IvoryLobe lobe = IvoryLobe(a.xyz, a.w, 2.0);
@@ -103,7 +104,7 @@ TEST_F(RuntimeLobes, ProductIntegrals) {
   const GpuLobes gpu = upload(table());
   const LobePairs in = random_pairs(2);
   const auto out = evaluate_on_gpu(R"(
-#include "lobe_table.glsl"
+#include "lobes/table.glsl"
 uniform sampler3D ivory_lobe_integrals;
 uniform IvoryLobeTable table;
 vec4 evaluate(int i) {
@@ -128,7 +129,7 @@ TEST_F(RuntimeLobes, Products) {
   const GpuLobes gpu = upload(table());
   const LobePairs in = random_pairs(3);
   const std::string source = R"(
-#include "lobe_table.glsl"
+#include "lobes/table.glsl"
 uniform sampler3D ivory_lobe_products;
 uniform IvoryLobeTable table;
 IvoryLobe product(int i) {
@@ -164,7 +165,7 @@ TEST_F(RuntimeLobes, ConesAndSpheres) {
     at.push_back(to_v4(p));
   }
   const auto out = evaluate_on_gpu(R"(
-#include "sphere_set.glsl"
+#include "lobes/sphere_set.glsl"
 vec4 evaluate(int i) {
   vec4 cone = input1(i);
   return vec4(ivory_power(input0(i), input2(i).xyz),

@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "grid/base/error.h"
-#include "runtime/gl_check.h"
-#include "runtime/renderer.h"
+#include "runtime/gl/check.h"
+#include "runtime/renderer/renderer.h"
 #include "tests/runtime_twin.h"
 
 namespace ivory {

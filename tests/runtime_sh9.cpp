@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "grid/base/error.h"
-#include "runtime/sh9.h"
-#include "runtime/shader_source.h"
+#include "runtime/assets/sh9.h"
+#include "runtime/gl/shader_source.h"
 #include "tests/runtime_twin.h"
 
 namespace ivory {
@@ -47,7 +47,7 @@ TEST_F(RuntimeSh9, AgreesWithItsTwin) {
   while (normals.size() < 10000) normals.push_back(to_v4(random_direction(random)));
   const GpuSh9 sh = upload(sun_and_sky());
   const std::vector<V4f> e = evaluate_on_gpu(
-      "#include \"ambient_sh9.glsl\"\n"
+      "#include \"ambient/sh9.glsl\"\n"
       "vec4 evaluate(int i) { return vec4(ivory_ambient(vec3(7.0), input0(i).xyz, input0(i).xyz), 1.0); }",
       {normals}, [&](gl::Program& program) { EXPECT_EQ(bind(sh, program, 3), 3); });
   int dark = 0;

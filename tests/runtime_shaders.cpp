@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/shader_source.h"
+#include "runtime/gl/shader_source.h"
 
 namespace ivory {
 
@@ -16,22 +16,23 @@ namespace {
 std::vector<std::pair<std::string, std::string>> fragment_shaders() {
   std::vector<std::pair<std::string, std::string>> shaders;
   for (const std::string& name : shader_names()) {
-    if (name == "surface_vertex.glsl") continue;
+    if (name == "renderer/surface_vertex.glsl") continue;
     const std::string include = "#include \"" + name + "\"\n";
-    const bool whole = name == "surface_fragment.glsl" || name == "depth_fragment.glsl";
+    const bool whole = name == "renderer/surface_fragment.glsl" || name == "renderer/depth_fragment.glsl";
     // A fragment shader that uses nothing still needs its main().
-    if (name != "surface_fragment.glsl") shaders.emplace_back(name, include + (whole ? "" : "void main() {}\n"));
+    if (name != "renderer/surface_fragment.glsl")
+      shaders.emplace_back(name, include + (whole ? "" : "void main() {}\n"));
     if (!name.starts_with("ambient_")) continue;
     std::vector<std::string> variants{""};
-    if (name == "ambient_lobes.glsl") variants.emplace_back("#define IVORY_LOBES_GLOSSY\n");
-    if (name == "ambient_fiv.glsl") {
+    if (name == "ambient/lobes.glsl") variants.emplace_back("#define IVORY_LOBES_GLOSSY\n");
+    if (name == "ambient/fiv.glsl") {
       for (const char* overlap : {"0", "1", "2", "3"})
         variants.push_back("#define IVORY_FIV_OVERLAP " + std::string(overlap) + "\n");
     }
     for (const std::string& variant : variants) {
-      shaders.emplace_back(
-          "renderer with " + name + " " + variant,
-          "#include \"punctual_lights.glsl\"\n" + variant + include + "#include \"surface_fragment.glsl\"\n");
+      shaders.emplace_back("renderer with " + name + " " + variant,
+                           "#include \"renderer/punctual_lights.glsl\"\n" + variant + include +
+                               "#include \"renderer/surface_fragment.glsl\"\n");
     }
   }
   return shaders;
@@ -58,7 +59,7 @@ TEST(RuntimeShaders, AreStrictGlsl330) {
     EXPECT_EQ(output.find("ERROR"), std::string::npos) << what << "\n" << output;
   };
   for (const auto& [what, source] : fragment_shaders()) check(what, source, "frag");
-  check("surface_vertex.glsl", "#include \"surface_vertex.glsl\"\n", "vert");
+  check("renderer/surface_vertex.glsl", "#include \"renderer/surface_vertex.glsl\"\n", "vert");
   // It does find what drivers let pass.
   std::ofstream(folder / "wrong.frag") << "#version 330 core\n#define F \\\n  1\nvoid main() {}\n";
   EXPECT_NE(output_of("glslangValidator " + (folder / "wrong.frag").string()).find("ERROR"), std::string::npos);

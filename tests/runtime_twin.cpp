@@ -6,7 +6,7 @@
 #include <epoxy/gl.h>
 #include <fmt/format.h>
 
-#include "runtime/gl_check.h"
+#include "runtime/gl/check.h"
 
 namespace ivory {
 

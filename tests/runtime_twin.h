@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "runtime/gl.h"
+#include "runtime/gl/gl.h"
 #include "tools/gl_context.h"
 
 namespace ivory {

@@ -1,6 +1,6 @@
 // The compact form of six hemispherical irradiance vectors (RR-6983 section 4.2): the three colour channels of a
 // hemisphere share one direction, so that it takes three norms and that direction instead of nine numbers. It loses
-// what the channels' directions differ by; see runtime/irradiance_grid.h for how much.
+// what the channels' directions differ by; see runtime/assets/irradiance_grid.h for how much.
 #pragma once
 
 #include <array>

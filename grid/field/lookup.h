@@ -1,5 +1,5 @@
 // E(p, n) from a grid with leaks kept out by what the file itself stores. Needs no scene; its twin for the GPU is
-// shaders/irradiance_grid.glsl. With rays in place of the planes: tracer/render/guard_rays.h.
+// shaders/field/irradiance_grid.glsl. With rays in place of the planes: tracer/render/guard_rays.h.
 #pragma once
 
 #include <cstdint>

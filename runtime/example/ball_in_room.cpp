@@ -11,8 +11,8 @@
 #include <GLFW/glfw3.h>
 #include <epoxy/gl.h>
 
-#include "runtime/irradiance_grid.h"
-#include "runtime/renderer.h"
+#include "runtime/assets/irradiance_grid.h"
+#include "runtime/renderer/renderer.h"
 
 namespace {
 

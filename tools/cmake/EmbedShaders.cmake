@@ -1,5 +1,5 @@
-# Writes OUTPUT, a C++ file that holds the text of each file of the list SHADERS; see runtime/shader_source.cpp.
-set(text "// Made by tools/cmake/EmbedShaders.cmake.\n#include \"runtime/shader_table.h\"\n\nnamespace ivory {\n\n")
+# Writes OUTPUT, a C++ file that holds the text of each file of the list SHADERS; see runtime/gl/shader_source.cpp.
+set(text "// Made by tools/cmake/EmbedShaders.cmake.\n#include \"runtime/gl/shader_table.h\"\n\nnamespace ivory {\n\n")
 string(APPEND text "const std::vector<EmbeddedShader>& embedded_shaders() {\n  static const std::vector<EmbeddedShader> shaders{\n")
 foreach(shader IN LISTS SHADERS)
   get_filename_component(name ${shader} NAME)

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "grid/fiv/table.h"
-#include "runtime/difmap.h"
-#include "runtime/irradiance_grid.h"
-#include "runtime/lobes.h"
-#include "runtime/localized_cube.h"
-#include "runtime/sh9.h"
+#include "runtime/assets/cubemap.h"
+#include "runtime/assets/difmap.h"
+#include "runtime/assets/irradiance_grid.h"
+#include "runtime/assets/lobes.h"
+#include "runtime/assets/sh9.h"
 #include "tools/file_kind.h"
 
 namespace ivory {

@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "runtime/gl.h"
+#include "runtime/gl/gl.h"
 #include "tools/view/colormap.h"
 
 namespace ivory {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "runtime/renderer.h"
+#include "runtime/renderer/renderer.h"
 #include "tools/view/overlay.h"
 #include "tools/view/session.h"
 #include "tools/view/target.h"

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "runtime/material.h"
-#include "runtime/mesh.h"
-#include "runtime/punctual_light.h"
+#include "runtime/renderer/material.h"
+#include "runtime/renderer/mesh.h"
+#include "runtime/renderer/punctual_light.h"
 #include "tracer/core/scene.h"
 
 namespace ivory {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "runtime/fiv.h"
+#include "runtime/assets/fiv.h"
 #include "tools/view/assets.h"
 #include "tools/view/world.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "grid/base/error.h"
-#include "runtime/gl_check.h"
+#include "runtime/gl/check.h"
 
 namespace ivory {
 
@@ -27,7 +27,7 @@ const vec4 nowhere = vec4(0.0, 0.0, 2.0, 1.0);
 // A square behind the sphere's outline as the eye sees it. For an eye at distance d the outline's cone meets the plane
 // through the centre in a circle of radius r / sqrt(1 - (r/d)^2).
 constexpr const char* sphere_vertex = R"(
-#include "ambient_grid.glsl"
+#include "ambient/grid.glsl"
 out vec3 square;
 flat out vec3 center;
 flat out ivec3 vertex;
@@ -48,7 +48,7 @@ void main() {
 )";
 
 constexpr const char* sphere_fragment = R"(
-#include "ambient_grid.glsl"
+#include "ambient/grid.glsl"
 uniform mat4 clip_from_world;
 uniform vec4 eye;
 uniform float unit_m;
@@ -92,7 +92,7 @@ void main() {
 // A needle from the vertex towards the light, widest at the vertex. The hemispheres' vectors from the moments:
 // I_{+i} = (F + D_i) / 2, I_{-i} = (F - D_i) / 2.
 constexpr const char* vector_vertex = R"(
-#include "ambient_grid.glsl"
+#include "ambient/grid.glsl"
 uniform float length_scale;  // m a lux
 uniform float longest_m;
 flat out vec3 color;

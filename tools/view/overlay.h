@@ -1,7 +1,7 @@
 // A grid's vertices, drawn among the surfaces: as spheres that show what is stored there, or as its vectors.
 #pragma once
 
-#include "runtime/renderer.h"
+#include "runtime/renderer/renderer.h"
 #include "tools/view/assets.h"
 #include "tools/view/settings.h"
 

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/ambient.h"
+#include "runtime/assets/ambient.h"
 #include "tools/common.h"
 #include "tools/environment_input.h"
 #include "tools/view/assets.h"

@@ -1,7 +1,7 @@
 #include "tools/view/target.h"
 
 #include "grid/base/error.h"
-#include "runtime/gl_check.h"
+#include "runtime/gl/check.h"
 
 namespace ivory {
 

@@ -1,7 +1,7 @@
 // Where the viewer draws: linear light in floats, averaged over the points of a pixel, then a picture for a display.
 #pragma once
 
-#include "runtime/gl.h"
+#include "runtime/gl/gl.h"
 #include "tracer/core/film.h"
 #include "tracer/image/file.h"
 

@@ -1,6 +1,6 @@
 #include "tools/view/timer.h"
 
-#include "runtime/gl_check.h"
+#include "runtime/gl/check.h"
 
 namespace ivory {
 

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include "runtime/gl.h"
+#include "runtime/gl/gl.h"
 
 namespace ivory {
 

@@ -1,0 +1,37 @@
+// DifMaps in OpenGL: a cube map with seamless linear filtering (shaders/env/difmap.glsl).
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+#include "grid/env/difmap.h"
+#include "runtime/assets/ambient.h"
+#include "runtime/gl/gl.h"
+
+namespace ivory {
+
+struct DifMapUploadParams {
+  // RGB16F instead of RGB32F: half the memory, E to 2^-11. The scale keeps eleven bits down to 2^-28 of the largest E.
+  bool half_floats = false;
+};
+
+struct GpuDifMap {
+  gl::Texture e;    // E over scale
+  float scale = 1;  // lux
+  std::size_t bytes() const { return e.bytes(); }
+};
+
+// Faces are mirrored into OpenGL's orientation. Throws Error where the context's limits do not hold the map.
+GpuDifMap upload(const DifMap& map, const DifMapUploadParams& params = {});
+
+// Throws Error as read_difmap() and upload() do.
+GpuDifMap load_difmap(const std::string& path, const DifMapUploadParams& params = {});
+
+// Binds the map to `first_unit`, sets the uniforms of shaders/ambient/difmap.glsl and enables
+// GL_TEXTURE_CUBE_MAP_SEAMLESS, without which faces' edges show; makes the program current. Returns the next free unit.
+int bind(const GpuDifMap& map, gl::Program& program, int first_unit);
+
+// For the renderer; `map` must outlive it.
+AmbientSource ambient(const GpuDifMap& map);
+
+}  // namespace ivory

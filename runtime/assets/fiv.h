@@ -1,0 +1,73 @@
+// FIV occluder tables in OpenGL: all tables of a scene in one 3D texture, occluders in a uniform buffer
+// (shaders/fiv/table.glsl, fiv/light.glsl, ambient/fiv.glsl).
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "grid/fiv/light.h"
+#include "runtime/assets/difmap.h"
+#include "runtime/assets/sh9.h"
+#include "runtime/gl/gl.h"
+
+namespace ivory {
+
+// Sizes of the arrays in shaders/ambient/fiv.glsl.
+inline constexpr int fiv_max_tables = 64;
+inline constexpr int fiv_max_occluders = 256;
+
+// Binding points of the uniform buffers.
+inline constexpr int fiv_tables_binding = 8;
+inline constexpr int fiv_occluders_binding = 9;
+
+struct FivUploadParams {
+  bool half_floats = false;  // RGBA16F instead of RGBA32F: half the memory, moments to 2^-11
+};
+
+// An occluder where it stands: a table may have many. Moved and evenly scaled, not turned.
+struct GpuFivOccluder {
+  int table = 0;
+  V3f center_m{0, 0, 0};  // of the bounding sphere, in the world
+  float radius_m = 1;
+};
+
+struct GpuFivTables {
+  gl::Texture atlas;
+  gl::Texture spheres;
+  gl::Buffer tables;
+  gl::Buffer occluders;
+  int table_count = 0;
+  std::size_t bytes() const;  // of textures and buffers
+};
+
+// One to fiv_max_tables tables, of any sizes, with one or six hemispheres; no occluders yet. Throws Error where the
+// context's limits do not hold them, and where two spheres of a table are less than a thousandth of its range (in log
+// r) apart.
+GpuFivTables upload(std::span<const FivTable> tables, const FivUploadParams& params = {});
+
+// Throws Error as read_fiv() and upload() do.
+GpuFivTables load_fiv_tables(std::span<const std::string> paths, const FivUploadParams& params = {});
+
+// Replaces all occluders; cheap enough for every frame. Throws Error for more than fiv_max_occluders.
+void set_occluders(GpuFivTables& fiv, std::span<const GpuFivOccluder> occluders);
+
+// #define lines to put before shaders/ambient/fiv.glsl; `self`: for objects that are occluders themselves.
+std::string fiv_defines(FivOverlap overlap, bool self);
+
+// Bind three textures from `first_unit` on and the uniform buffers, and set the uniforms of shaders/ambient/fiv.glsl;
+// make the program current. `unshadowed`: of the environment that the tables were baked under. `self`: index of the
+// occluder that what is drawn next is, or -1; between objects program.set("ivory_fiv_self", i) is enough. Return the
+// next free unit.
+int bind(const GpuFivTables& fiv, const GpuDifMap& unshadowed, gl::Program& program, int first_unit,
+         Straddling straddling = Straddling::bound, int self = -1);
+int bind(const GpuFivTables& fiv, const GpuSh9& unshadowed, gl::Program& program, int first_unit,
+         Straddling straddling = Straddling::bound, int self = -1);
+
+// For the renderer, one for each object with a `self` of its own; the assets must outlive it.
+AmbientSource ambient(const GpuFivTables& fiv, const GpuDifMap& unshadowed, const FivLightParams& params = {},
+                      int self = -1);
+AmbientSource ambient(const GpuFivTables& fiv, const GpuSh9& unshadowed, const FivLightParams& params = {},
+                      int self = -1);
+
+}  // namespace ivory
