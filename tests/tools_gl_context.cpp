@@ -6,7 +6,7 @@
 #include <epoxy/gl.h>
 #include <gtest/gtest.h>
 
-#include "tools/gl_context.h"
+#include "tools/view/draw/gl_context.h"
 
 namespace ivory {
 namespace {

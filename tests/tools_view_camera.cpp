@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/view/camera.h"
+#include "tools/view/world/camera.h"
 #include "tracer/core/camera.h"
 
 namespace ivory {

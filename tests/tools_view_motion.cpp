@@ -7,9 +7,9 @@
 
 #include "grid/base/error.h"
 #include "tests/command_test.h"
-#include "tools/view/controls.h"
-#include "tools/view/drag.h"
-#include "tools/view/path.h"
+#include "tools/view/world/controls.h"
+#include "tools/view/world/drag.h"
+#include "tools/view/world/path.h"
 
 namespace ivory {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "tools/bench/measure_lookup.h"
 #include "tools/bench/measure_tracer.h"
-#include "tools/commands.h"
-#include "tools/common.h"
+#include "tools/cli/commands.h"
+#include "tools/cli/common.h"
 #include "tracer/bake/field/baker.h"
 #include "tracer/gltf/loader.h"
 

@@ -13,8 +13,8 @@
 #include <time.h>
 
 #include "grid/cubemap/reader.h"
-#include "tools/commands.h"
-#include "tools/common.h"
+#include "tools/cli/commands.h"
+#include "tools/cli/common.h"
 #include "tracer/core/sampler.h"
 #include "tracer/core/sampling.h"
 

@@ -8,9 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "grid/base/error.h"
-#include "tools/commands.h"
-#include "tools/common.h"
-#include "tools/environment_input.h"
+#include "tools/cli/commands.h"
+#include "tools/cli/common.h"
+#include "tools/cli/environment_input.h"
 #include "tools/stability/measure_fiv.h"
 #include "tracer/env/latlong_map.h"
 #include "tracer/gltf/loader.h"

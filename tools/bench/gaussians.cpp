@@ -10,8 +10,8 @@
 #include <nlohmann/json.hpp>
 
 #include "grid/lobes/table.h"
-#include "tools/commands.h"
-#include "tools/common.h"
+#include "tools/cli/commands.h"
+#include "tools/cli/common.h"
 #include "tools/stability/scenes.h"
 
 namespace ivory {

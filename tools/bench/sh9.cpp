@@ -11,8 +11,8 @@
 #include <nlohmann/json.hpp>
 #include <tbb/parallel_for.h>
 
-#include "tools/commands.h"
-#include "tools/common.h"
+#include "tools/cli/commands.h"
+#include "tools/cli/common.h"
 #include "tracer/env/irradiance.h"
 
 namespace ivory {

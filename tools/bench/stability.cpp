@@ -9,8 +9,8 @@
 #include <nlohmann/json.hpp>
 
 #include "grid/base/error.h"
-#include "tools/commands.h"
-#include "tools/common.h"
+#include "tools/cli/commands.h"
+#include "tools/cli/common.h"
 
 namespace ivory {
 namespace {

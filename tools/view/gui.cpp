@@ -7,7 +7,7 @@
 #include <imgui.h>
 
 #include "grid/base/error.h"
-#include "tools/common.h"
+#include "tools/cli/common.h"
 
 namespace ivory {
 

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "tools/gl_context.h"
-#include "tools/view/legend.h"
+#include "tools/view/draw/gl_context.h"
+#include "tools/view/draw/legend.h"
 #include "tools/view/view.h"
 #include "tracer/image/compare.h"
 #include "tracer/image/file.h"

@@ -10,14 +10,14 @@
 #include <GLFW/glfw3.h>
 
 #include "grid/base/error.h"
-#include "tools/gl_context.h"
-#include "tools/view/controls.h"
+#include "tools/view/draw/gl_context.h"
+#include "tools/view/draw/legend.h"
+#include "tools/view/draw/timer.h"
 #include "tools/view/gui.h"
 #include "tools/view/keys.h"
-#include "tools/view/legend.h"
-#include "tools/view/timer.h"
 #include "tools/view/view.h"
 #include "tools/view/window.h"
+#include "tools/view/world/controls.h"
 #include "tracer/core/camera.h"
 #include "tracer/image/file.h"
 

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "tools/view/controls.h"
+#include "tools/view/world/controls.h"
 
 namespace ivory {
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "grid/base/error.h"
-#include "tools/view/debug.h"
+#include "tools/view/draw/debug.h"
 #include "tools/view/view.h"
 #include "tracer/image/file.h"
 

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
-#include "tools/dynamic_objects.h"
+#include "tools/cli/dynamic_objects.h"
 #include "tracer/core/camera.h"
 #include "tracer/env/irradiance.h"
 #include "tracer/gltf/loader.h"

@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "runtime/assets/ambient.h"
-#include "tools/common.h"
-#include "tools/environment_input.h"
-#include "tools/view/assets.h"
-#include "tools/view/model.h"
-#include "tools/view/occluders.h"
+#include "tools/cli/common.h"
+#include "tools/cli/environment_input.h"
+#include "tools/view/draw/assets.h"
 #include "tools/view/settings.h"
-#include "tools/view/world.h"
+#include "tools/view/world/model.h"
+#include "tools/view/world/occluders.h"
+#include "tools/view/world/world.h"
 #include "tracer/core/film.h"
 
 namespace ivory {

@@ -9,7 +9,7 @@
 #include "grid/field/irradiance_grid.h"
 #include "grid/fiv/light.h"
 #include "grid/lobes/light.h"
-#include "tools/view/display.h"
+#include "tools/view/draw/display.h"
 
 namespace ivory {
 

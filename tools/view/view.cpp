@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
-#include "tools/commands.h"
+#include "tools/cli/commands.h"
 #include "tracer/image/file.h"
 
 namespace ivory {

@@ -6,8 +6,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "tools/common.h"
-#include "tools/view/frame.h"
+#include "tools/cli/common.h"
+#include "tools/view/draw/frame.h"
 #include "tools/view/session.h"
 
 namespace ivory {

@@ -1,0 +1,187 @@
+// ivory bake cubemap: what arrives at a point, as a localized cube map.
+#include "grid/io/cubemap.h"
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "grid/base/error.h"
+#include "grid/cubemap/captured.h"
+#include "tools/cli/commands.h"
+#include "tools/cli/common.h"
+#include "tools/cli/dynamic_objects.h"
+#include "tools/cli/grid_input.h"
+#include "tools/cli/scene_input.h"
+#include "tracer/bake/cubemap/capture.h"
+
+namespace ivory {
+
+namespace {
+
+struct BakeCubemapOptions {
+  std::string scene;
+  std::string output;
+  EnvironmentChoice environment;
+  std::string shell = "fitted";
+  std::vector<std::string> without;
+  V3f at{0, 0, 0};
+  int size = 4;
+  int capture = CaptureParams{}.size;
+  int samples = CaptureParams{}.samples;
+  std::uint64_t seed = 1;
+  std::shared_ptr<GridInputOptions> grid;
+};
+
+// Refuses maps that nothing can be lit by, and says what looks like a mistake.
+std::vector<std::string> judge(const BakeCubemapOptions& options, const Capture& capture, const Scene& scene) {
+  const std::string at = fmt::format("({}, {}, {})", options.at.x, options.at.y, options.at.z);
+  const bool dark = std::all_of(capture.cube.radiance.texels.begin(), capture.cube.radiance.texels.end(), is_black);
+  if (capture.sky_share > 0.999999 && !scene.environment)
+    throw Error(options.scene, "has nothing to be seen from " + at, "choose --at within the scene, or give --env");
+  const bool backs = capture.back_share > 0.5 * (1 - capture.sky_share);
+  if (backs && dark)
+    throw Error(
+        options.scene,
+        at + " lies inside a wall or outside of the scene: only backs of surfaces and no light are seen from there",
+        "choose --at in the open");
+  std::vector<std::string> warnings;
+  if (backs) {
+    warnings.push_back(
+        fmt::format("{:.0f} % of what is seen from {} are backs of single-sided surfaces: it may lie inside a wall",
+                    100 * capture.back_share, at));
+  } else if (dark) {
+    warnings.push_back("no light arrives at " + at);
+  }
+  if (!bounds(scene).intersects(options.at)) warnings.push_back(at + " lies outside of the scene's bounds");
+  return warnings;
+}
+
+void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& common) {
+  if (options.capture % options.size != 0)
+    throw UsageError(fmt::format("--size {} does not divide --capture {}", options.size, options.capture));
+  const ShellFit shell = shell_fit_from_name(options.shell);
+  check_output(options.output, ".exr", common);
+  const auto input = load_scene_input(options.scene, options.environment, common, [&](Scene& scene) {
+    for (const std::string& node : options.without) remove_node(scene, node);
+  });
+  if (input->lights->empty())
+    throw Error(options.scene, "nothing emits light", "add a light or an emissive material, or give --env");
+
+  CaptureParams params;
+  params.size = options.capture;
+  params.samples = options.samples;
+  params.seed = options.seed;
+  params.threads = thread_count(common);
+  std::optional<IrradianceGrid> grid;
+  GridLight light;
+  if (!options.grid->grid.empty()) {
+    grid = load_grid(*options.grid, *input, common);
+    light = grid_light(*options.grid, *grid);
+    params.grid = &light;
+  }
+  const auto start = std::chrono::steady_clock::now();
+  const Capture capture = [&] {
+    Progress progress(common, "capturing", "samples");
+    const std::uint64_t total = std::uint64_t(6) * options.capture * options.capture * options.samples;
+    params.progress = [&](double fraction) { progress.update(std::uint64_t(fraction * double(total)), total); };
+    return capture_cube(*input->intersector, *input->lights, options.at, params);
+  }();
+  const std::vector<std::string> warnings = judge(options, capture, input->scene);
+  for (const std::string& warning : warnings) print_note(common, "warning: " + warning);
+  LocalizedCube cube = localize(capture.cube, options.size, shell);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  Metadata& m = cube.metadata = input->origin;
+  m["version"] = std::string(IVORY_VERSION);
+  m["method"] = std::string("localized cube map");
+  m["indirect"] = std::string(grid ? "grid" : "path");
+  if (grid) describe(*options.grid, m);
+  m["capture_size"] = std::int64_t(options.capture);
+  m["samples"] = std::int64_t(options.samples);
+  m["seed"] = std::int64_t(options.seed);
+  m["shell"] = options.shell;
+  m["units"] = std::string("nits, 1/m");
+  if (!options.without.empty()) m["without"] = fmt::format("{}", fmt::join(options.without, ", "));
+  write_localized_cube(options.output, cube, common.force);
+
+  double nearest = 0;
+  V3d mean(0, 0, 0);
+  for (const float inverse : capture.cube.inverse_distance) nearest = std::max(nearest, double(inverse));
+  for (std::size_t i = 0; i < cube.radiance.texels.size(); ++i) {
+    const int size = options.size;
+    const int in_face = int(i % (std::size_t(size) * std::size_t(size)));
+    const Rgb& radiance = cube.radiance.texels[i];
+    mean += V3d(radiance.x, radiance.y, radiance.z) *
+            (cube_texel_solid_angle(size, in_face / size, in_face % size) / (4 * double(pi)));
+  }
+  nlohmann::ordered_json result;
+  result["output"] = options.output;
+  result["position_m"] = {shortest(options.at.x), shortest(options.at.y), shortest(options.at.z)};
+  result["size"] = options.size;
+  for (const auto& [key, value] : cube.metadata) std::visit([&, &k = key](const auto& v) { result[k] = v; }, value);
+  result["mean_radiance_nits"] = {mean.x, mean.y, mean.z};
+  result["nearest_m"] = nearest > 0 ? 1 / nearest : 0.0;
+  result["sky_share"] = capture.sky_share;
+  result["seconds"] = seconds;
+  std::vector<std::string> all = input->warnings;
+  all.insert(all.end(), warnings.begin(), warnings.end());
+  result["warnings"] = all;
+  std::string human =
+      fmt::format("{}: 6x{}x{} texels from 6x{}x{}, mean {:.4g} {:.4g} {:.4g} nits, {:.2f} s\n", options.output,
+                  options.size, options.size, options.capture, options.capture, mean.x, mean.y, mean.z, seconds);
+  human += nearest > 0 ? fmt::format("nearest surface {:.4g} m, sky {:.1f} %\n", 1 / nearest, 100 * capture.sky_share)
+                       : "only sky is seen\n";
+  print_result(common, result, human);
+}
+
+}  // namespace
+
+void add_bake_cubemap_command(CLI::App& bake, CommonOptions& common) {
+  auto* command = bake.add_subcommand(
+      "cubemap", "Bake what arrives at a point into a localized cube map (.exr), to light objects that move near it");
+  auto options = std::make_shared<BakeCubemapOptions>();
+  command->add_option("scene", options->scene, "Scene: .gltf or .glb, metres, +Y up")->required()->type_name("SCENE");
+  command->add_option("-o,--output", options->output, "Cube map to write, .exr")->required()->type_name("OUT.exr");
+  command
+      ->add_option_function<std::string>(
+          "--at", [options](const std::string& text) { options->at = parse_vector3("--at", text); },
+          "The reference point in metres")
+      ->required()
+      ->type_name("X,Y,Z");
+  command->add_option("--size", options->size, "Texels along an edge of the six faces; divides --capture")
+      ->check(CLI::Range(1, largest_localized_size))
+      ->capture_default_str();
+  command->add_option("--capture", options->capture, "Texels along an edge while capturing")
+      ->check(CLI::Range(1, 4096))
+      ->capture_default_str();
+  add_count_option(*command, "--samples", options->samples, 1, 1'000'000, "Paths a captured texel");
+  add_count_option(*command, "--seed", options->seed, "Seed of the random numbers");
+  add_environment_options(*command, options->environment);
+  command
+      ->add_option("--without", options->without,
+                   "A node of the scene to leave out, with all below it: an object\nthat will move; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("NODE");
+  options->grid = add_grid_options(*command, "Baked grid that indirect light is read from [path traced]");
+  command
+      ->add_option("--shell", options->shell,
+                   "How corners of texels are placed: by least squares over all distances, at the distance\n"
+                   "right there, or at the mean distance around")
+      ->check(CLI::IsMember({"fitted", "corners", "averaged"}))
+      ->capture_default_str();
+  command->footer(
+      "All light that arrives is captured, straight from emissive surfaces and the sky too, but not that of\n"
+      "point, spot and directional lights, which are sampled when rendering.\n"
+      "The same command gives the same bytes with any --threads.\n"
+      "Examples:\n"
+      "  ivory bake cubemap room.glb --at 0,1,0 -o room.exr\n"
+      "  ivory render room.glb --method cubemap --cubemap room.exr --object ball.glb@0.5,1,0 -o picture.exr");
+  set_action(*command, common, Output::file, [options, &common] { run_bake_cubemap(*options, common); });
+}
+
+}  // namespace ivory

@@ -1,0 +1,167 @@
+// ivory bake fiv: an occluder table of a mesh under an environment.
+#include "grid/io/fiv.h"
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "grid/base/error.h"
+#include "grid/base/memory.h"
+#include "tools/cli/commands.h"
+#include "tools/cli/common.h"
+#include "tools/cli/environment_input.h"
+#include "tools/cli/scene_input.h"
+#include "tracer/bake/fiv/baker.h"
+#include "tracer/env/latlong_map.h"
+#include "tracer/gltf/loader.h"
+
+namespace ivory {
+
+namespace {
+
+struct BakeFivOptions {
+  std::string mesh;
+  std::string output;
+  EnvironmentChoice environment;
+  std::string samples = "128,65,30";
+  std::string precision = "float32";
+  FivParams params;
+};
+
+FivParams params_of(const BakeFivOptions& options) {
+  FivParams params = options.params;
+  params.samples = parse_size3("--samples", options.samples, 2);
+  if (params.samples.x < 3) throw UsageError("--samples: at least 3 azimuths are needed");
+  if (params.hemispheres != 1 && params.hemispheres != 6) throw UsageError("--hemispheres must be 1 or 6");
+  return params;
+}
+
+void check_size(const BakeFivOptions& options, const FivParams& params) {
+  const double samples = double(params.samples.x) * double(params.samples.y) * double(params.samples.z);
+  const double numbers = 3 * fiv_function_count(params.hemispheres);
+  // The table, what is gathered at its samples, and, for bright lights, at eight times as many.
+  check_memory(options.output, samples * (numbers * 4 * 11 + 9 * 50), "ask for fewer --samples");
+  if (samples * numbers > 2e9)
+    throw UsageError("--samples: such a table would hold more than two thousand million numbers");
+}
+
+// The environment as a cube as fine as the map itself, and a multiple of the size it is merged to.
+CubeMap fine_cube(const EnvironmentMap& map, int merged) {
+  constexpr int finest = 512;
+  int size = merged;
+  while (2 * size < map.height && 2 * size <= finest) size *= 2;
+  return cube_from_environment(map, size);
+}
+
+void run_bake_fiv(const BakeFivOptions& options, const CommonOptions& common) {
+  FivParams params = params_of(options);
+  check_size(options, params);
+  check_output(options.output, ".exr", common);
+  if (!is_scene_name(options.mesh)) throw Error(options.mesh, "is no .gltf or .glb file", "convert the mesh");
+  const LoadedScene loaded = load_gltf(options.mesh);
+  for (const std::string& warning : loaded.warnings) print_note(common, "warning: " + warning);
+  const FivOccluder occluder = make_fiv_occluder(loaded.scene);
+  EnvironmentInput environment = load_environment_input(options.environment);
+  const CubeMap cube = fine_cube(to_latlong(std::move(environment.image)), params.environment_size);
+
+  Progress progress(common, "baking", "directions");
+  params.progress = progress.callback();
+  const auto start = std::chrono::steady_clock::now();
+  FivTable table = bake_fiv(occluder, cube, params);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  Metadata& m = table.metadata = environment.origin;
+  m["version"] = std::string(IVORY_VERSION);
+  m["method"] = std::string("fiv");
+  m["mesh"] = std::filesystem::path(options.mesh).filename().string();
+  m["mesh_hash"] = loaded.scene.content_hash;
+  m["environment_size"] = std::int64_t(params.environment_size);
+  m["environment_parts"] = std::int64_t(params.parts);
+  m["silhouette_pixels"] = std::int64_t(params.silhouette_pixels);
+  m["fit"] = std::string(params.fit ? "least squares" : "none");
+  m["units"] = std::string("lux");
+  const ExrPrecision precision = options.precision == "float32" ? ExrPrecision::float32 : ExrPrecision::float16;
+  write_fiv(options.output, table, precision, common.force);
+
+  const std::uint64_t bytes = table.values.size() * (precision == ExrPrecision::float32 ? 4 : 2);
+  nlohmann::ordered_json result;
+  result["output"] = options.output;
+  result["samples"] = {table.size.x, table.size.y, table.size.z};
+  result["hemispheres"] = table.hemispheres;
+  result["table_bytes"] = bytes;
+  result["file_bytes"] = std::filesystem::file_size(options.output);
+  result["center_m"] = {shortest(table.center_m.x), shortest(table.center_m.y), shortest(table.center_m.z)};
+  result["radius_m"] = shortest(table.radius_m);
+  result["radii"] = nlohmann::ordered_json::array();
+  for (const float r : table.radii) result["radii"].push_back(shortest(r));
+  result["coverage"] = shortest(table.coverage);
+  for (const auto& [key, value] : table.metadata) std::visit([&, &k = key](const auto& v) { result[k] = v; }, value);
+  result["seconds"] = seconds;
+  result["warnings"] = loaded.warnings;
+  print_result(
+      common, result,
+      fmt::format("{}: {} x {} x {} samples, {} hemisphere{}, {} of {}, {:.1f} s\n"
+                  "bounding sphere of {:.4g} m around {:.4g} {:.4g} {:.4g}; spheres from {:.3g} to {:.3g} of "
+                  "its radius\n",
+                  options.output, table.size.x, table.size.y, table.size.z, table.hemispheres,
+                  table.hemispheres == 1 ? "" : "s", format_bytes(bytes), options.precision, seconds, table.radius_m,
+                  table.center_m.x, table.center_m.y, table.center_m.z, table.radii.front(), table.radii.back()));
+}
+
+}  // namespace
+
+void add_bake_fiv_command(CLI::App& bake, CommonOptions& common) {
+  auto* command = bake.add_subcommand(
+      "fiv", "Bake what a moving mesh hides of an environment's light into an FIV occluder table (.exr)");
+  auto options = std::make_shared<BakeFivOptions>();
+  command->add_option("mesh", options->mesh, "Occluder: all triangles of a .gltf or .glb file")
+      ->required()
+      ->type_name("MESH");
+  command->add_option("-o,--output", options->output, "Table to write, .exr")->required()->type_name("OUT.exr");
+  add_environment_options(*command, options->environment);
+  command->get_option("--env")->required();
+  command->add_option("--samples", options->samples, "Samples in azimuth, polar angle and distance")
+      ->capture_default_str()
+      ->type_name("NA,NP,ND");
+  command
+      ->add_option("--hemispheres", options->params.hemispheres,
+                   "1: one vector per colour and sample, as published; 6: the vectors of six hemispheres, four\n"
+                   "times the memory, right where the occluder reaches below a receiver's plane")
+      ->check(CLI::IsMember({1, 6}))
+      ->capture_default_str();
+  command->add_option("--precision", options->precision, "Of the file's numbers")
+      ->check(CLI::IsMember({"float32", "float16"}))
+      ->capture_default_str();
+  command
+      ->add_option("--env-size", options->params.environment_size,
+                   "Dim parts of the environment are merged to a cube of that many texels a face's edge")
+      ->check(CLI::Range(1, 512))
+      ->capture_default_str();
+  add_count_option(*command, "--parts", options->params.parts, 1, 1'000'000,
+                   "Bright parts stay apart, as fine as the map is, until none carries more than 1 / PARTS of\n"
+                   "all light; 1 merges them too");
+  command->add_option("--farthest", options->params.farthest, "Outermost sphere, in radii of the bounding sphere")
+      ->check(within(1.5, 1000.0), "in [1.5 - 1000]")
+      ->capture_default_str();
+  command
+      ->add_option("--silhouette", options->params.silhouette_pixels,
+                   "Pixels across the bounding sphere by which the mesh's outline is known; half as many for\n"
+                   "dim parts of the environment, four times as many for the brightest")
+      ->check(CLI::Range(8, 1024))
+      ->capture_default_str();
+  command->footer(
+      "The table serves the mesh wherever it is moved to, evenly scaled, under that environment, not turned.\n"
+      "The same command gives the same bytes with any --threads.\n"
+      "Examples:\n"
+      "  ivory bake fiv bunny.glb --env sky.hdr -o bunny.exr --hemispheres 6\n"
+      "  ivory render plaza.glb --env sky.hdr --object bunny.glb@1,0,2 --occluder bunny=bunny.exr --method fiv -o "
+      "a.png");
+  set_action(*command, common, Output::file, [options, &common] { run_bake_fiv(*options, common); });
+}
+
+}  // namespace ivory

@@ -1,0 +1,186 @@
+// ivory bake grid: photons through a scene into an irradiance-vector grid.
+#include <chrono>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "grid/base/error.h"
+#include "tools/bake/grid_result.h"
+#include "tools/cli/commands.h"
+#include "tools/cli/common.h"
+#include "tools/cli/scene_input.h"
+#include "tracer/bake/field/baker.h"
+
+namespace ivory {
+
+namespace {
+
+struct BakeGridOptions {
+  std::string scene;
+  std::string output;
+  EnvironmentChoice environment;
+  std::string basis = "vectors";
+  std::string estimator = "track";
+  std::string guard = "rays";
+  std::uint64_t seed = 1;
+  GridBakeParams params;
+};
+
+Box3f parse_box(const std::string& option, const std::string& text, const std::string& expected) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string::npos) throw UsageError(fmt::format("{} takes {}, not '{}'", option, expected, text));
+  Box3f box;
+  box.extendBy(parse_vector3(option, text.substr(0, colon)));
+  box.extendBy(parse_vector3(option, text.substr(colon + 1)));
+  return box;
+}
+
+std::vector<Box3f> parse_regions(const std::vector<std::string>& texts) {
+  std::vector<Box3f> regions;
+  if (texts == std::vector<std::string>{"none"}) return regions;
+  for (const std::string& text : texts)
+    regions.push_back(parse_box("--dynamic", text, "none or a box X0,Y0,Z0:X1,Y1,Z1"));
+  return regions;
+}
+
+Box3f parse_bounds(const std::string& text) {
+  const Box3f box = parse_box("--bounds", text, "a box X0,Y0,Z0:X1,Y1,Z1");
+  const V3f size = box.size();
+  constexpr float longest_m = 1e9F;
+  if (!(size.x > 0) || !(size.y > 0) || !(size.z > 0) || !(size.length() < longest_m))
+    throw UsageError("--bounds: '" + text + "' must have some extent along each axis, and less than a million km");
+  return box;
+}
+
+void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) {
+  GridBakeParams params = options.params;
+  params.basis = basis_from_name(options.basis);
+  params.estimator = estimator_from_name(options.estimator);
+  params.guard = guard_from_name(options.guard);
+  params.seed = options.seed;
+  params.threads = thread_count(common);
+  sum_layout(params.basis, params.estimator);  // refuses bases that the estimator cannot fill
+  if (params.photon_range && params.photons != 0 && params.photon_range->second > params.photons) {
+    throw UsageError(fmt::format("--photon-range ends at {}, past the {} of --photons", params.photon_range->second,
+                                 params.photons));
+  }
+  check_output(options.output, ".vdb", common);
+
+  const auto input = load_scene_input(options.scene, options.environment, common);
+  const GridFrame frame = default_frame(input->scene, params);
+  if (const int threads = affordable_threads(input->scene, *input->lights, frame, params); threads < params.threads) {
+    print_note(common, fmt::format("note: {} threads instead of {}: each needs memory for the whole grid", threads,
+                                   params.threads));
+    params.threads = threads;
+  }
+  const auto start = std::chrono::steady_clock::now();
+  GridSums sums = [&] {
+    Progress progress(common, "baking", "photons");
+    progress.note(fmt::format("{}x{}x{} vertices, {:.4g} x {:.4g} x {:.4g} m apart; finding what each sees",
+                              frame.size.x, frame.size.y, frame.size.z, frame.spacing_m.x, frame.spacing_m.y,
+                              frame.spacing_m.z));
+    params.progress = progress.callback();
+    return bake_grid_sums(*input->intersector, *input->lights, params);
+  }();
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  for (const auto& [key, value] : input->origin) sums.metadata[key] = value;
+  sums.metadata["version"] = std::string(IVORY_VERSION);
+
+  auto result = write_result(options.output, sums, /*finished=*/!params.photon_range, common);
+  const double rate = static_cast<double>(sums.photon_end - sums.photon_begin) / seconds;
+  result["seconds"] = seconds;
+  result["photons_per_second"] = rate;
+  result["warnings"] = input->warnings;
+  print_result(common, result,
+               result_text(result) +
+                   fmt::format("{:.2f} s, {} photons/s on {} threads\n", seconds, format_count(rate), params.threads));
+}
+
+}  // namespace
+
+void add_bake_grid_command(CLI::App& bake, CommonOptions& common) {
+  auto* command = bake.add_subcommand("grid", "Bake a scene's indirect light into an irradiance-vector grid (.vdb)");
+  auto options = std::make_shared<BakeGridOptions>();
+  GridBakeParams& params = options->params;
+  command->add_option("scene", options->scene, "Scene: .gltf or .glb, metres, +Y up")->required()->type_name("SCENE");
+  command->add_option("-o,--output", options->output, "Grid to write, .vdb")->required()->type_name("OUT.vdb");
+  command
+      ->add_option_function<std::string>(
+          "--bounds", [&params](const std::string& text) { params.bounds = parse_bounds(text); },
+          "What the grid covers, in metres: the rest of the scene sends light and shadows into it but\n"
+          "stores none, and points outside read the nearest vertices [the whole scene]")
+      ->type_name("X0,Y0,Z0:X1,Y1,Z1");
+  command
+      ->add_option("--rotate-y", params.rotate_y_deg,
+                   "Turns the grid about the vertical axis through its middle, counter-clockwise as seen from\n"
+                   "above: --bounds is given before the turn; without it the turned grid covers the whole scene")
+      ->check(within(-360.0, 360.0), "in [-360 - 360]")
+      ->type_name("DEGREES");
+
+  auto* resolution = command->add_option_function<std::string>(
+      "--resolution", [&params](const std::string& text) { params.resolution = parse_size3("--resolution", text, 2); },
+      "Vertices along x, y and z, or one number for all [32 along the longest side]");
+  resolution->type_name("NX,NY,NZ");
+  command
+      ->add_option_function<float>(
+          "--voxel-size", [&params](float metres) { params.voxel_size_m = metres; },
+          "Distance between vertices in metres, the same along x, y and z")
+      ->check(CLI::PositiveNumber)
+      ->type_name("METRES")
+      ->excludes(resolution);
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--dynamic",
+          [&params](const std::vector<std::string>& regions) { params.dynamic_regions = parse_regions(regions); },
+          "Where objects will move: a box X0,Y0,Z0:X1,Y1,Z1 in metres, or none; may be repeated. Away from\n"
+          "surfaces only vertices in these are stored [everywhere]")
+      ->allow_extra_args(false)
+      ->type_name("none|BOX");
+  command
+      ->add_option_function<std::string>(
+          "--photons",
+          [&params](const std::string& text) {
+            params.photons = parse_count("--photons", text);
+            if (params.photons == 0) throw UsageError("--photons must be at least 1");
+          },
+          "Photons of the whole bake; k, m, g are allowed [256 a vertex, at least 1m]")
+      ->type_name("COUNT");
+  command
+      ->add_option_function<std::string>(
+          "--photon-range",
+          [&params](const std::string& text) { params.photon_range = parse_range("--photon-range", text); },
+          "Trace photons A to B-1 of --photons only and write their sums, a part\nfor 'ivory merge'")
+      ->type_name("A:B");
+  add_count_option(*command, "--seed", options->seed, "Seed of the random numbers");
+  add_count_option(*command, "--bounces", params.max_bounces, 1, 1'000'000,
+                   "Surfaces a photon may scatter at; Russian roulette ends most before");
+  command->add_flag("--direct", params.include_direct, "Store light straight from its sources too");
+  add_environment_options(*command, options->environment);
+  command->add_option("--basis", options->basis, "Directional basis stored at each vertex")
+      ->check(CLI::IsMember({"vectors", "vectors9", "sh9", "ambient_cube", "sh4"}))
+      ->capture_default_str();
+  command
+      ->add_option("--estimator", options->estimator,
+                   "How photons count: by the length of their path in a cell (track), by the faces they cross,\n"
+                   "divided by the cosine (face), or as published (face_paper); both fill basis vectors only")
+      ->check(CLI::IsMember({"track", "face", "face_paper"}))
+      ->capture_default_str();
+  command
+      ->add_option("--guard", options->guard,
+                   "Leak guard: rays and planes count only light that a vertex sees and store its\n"
+                   "compact guard; off does neither")
+      ->check(CLI::IsMember({"rays", "planes", "off"}))
+      ->capture_default_str();
+  command->footer(
+      "The same command gives the same bytes with any --threads.\n"
+      "Examples:\n"
+      "  ivory bake grid room.glb -o room.vdb\n"
+      "  ivory bake grid room.glb -o room.vdb --resolution 48,24,48 --photons 16m\n"
+      "  ivory bake grid street.glb -o room.vdb --bounds -3,0,-2:3,2.8,2 --rotate-y 30   (one room, not the sky dome)\n"
+      "  ivory bake grid room.glb -o b.vdb --photons 16m --photon-range 8m:16m   (one machine's half; see ivory "
+      "merge)");
+  set_action(*command, common, Output::file, [options, &common] { run_bake_grid(*options, common); });
+}
+
+}  // namespace ivory

@@ -1,0 +1,24 @@
+// What bake grid and merge have in common: turning sums into the file, and reporting it.
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "grid/field/accumulator.h"
+#include "tools/cli/common.h"
+
+namespace ivory {
+
+// True where the sums hold every photon of the bake they belong to.
+bool is_whole(const GridSums& sums);
+
+// Writes the finished grid, or, unless `finished`, the sums themselves, and describes what was
+// written. Equal sums give equal files.
+nlohmann::ordered_json write_result(const std::string& path, const GridSums& sums, bool finished,
+                                    const CommonOptions& common);
+
+// The same for people: whole lines.
+std::string result_text(const nlohmann::ordered_json& result);
+
+}  // namespace ivory

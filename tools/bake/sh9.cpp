@@ -1,0 +1,162 @@
+// ivory bake sh9: an environment map's irradiance as nine spherical-harmonic coefficients.
+#include "grid/io/sh9.h"
+
+#include <chrono>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "grid/base/error.h"
+#include "tools/cli/commands.h"
+#include "tools/cli/common.h"
+#include "tools/cli/environment_input.h"
+#include "tracer/env/irradiance.h"
+
+namespace ivory {
+
+namespace {
+
+constexpr int truth_size = 32;  // normals that the errors are measured at: 6 x 32 x 32
+
+struct BakeSh9Options {
+  EnvironmentChoice environment;
+  std::string output;
+  std::string order = "auto";
+  double max_error = 0.01;
+  std::string window = "none";
+  std::string dialect = "ivory";
+};
+
+Sh9Window chosen_window(const std::string& text, const Sh9& sh) {
+  if (text == "none") return {};
+  if (text == "auto") return least_window(sh);
+  double width = 0;
+  try {
+    std::size_t used = 0;
+    width = std::stod(text, &used);
+    if (used != text.size()) width = 0;
+  } catch (const std::exception&) {
+  }
+  if (!(width >= 2 && width <= 1e6))
+    throw UsageError("--window takes none, auto or a width from 2 to 1000000, not '" + text + "'");
+  return hann_window(width);
+}
+
+Sh9Asset make_asset(const Sh9& whole, int order, const std::string& window, const CubeMap& truth, const V3d& total) {
+  Sh9Asset asset;
+  asset.order = order;
+  asset.sh = truncated(whole, order);
+  asset.window = chosen_window(window, asset.sh);
+  asset.sh = windowed(asset.sh, asset.window);
+  asset.error = sh9_error(asset.sh, truth, total);
+  return asset;
+}
+
+void run_bake_sh9(const BakeSh9Options& options, const CLI::App& command, const CommonOptions& common) {
+  const Sh9Dialect dialect = sh9_dialect_from_name(options.dialect);
+  const bool automatic = options.order == "auto";
+  if (!automatic && command.count("--max-error") > 0) throw UsageError("--max-error serves --order auto only");
+  chosen_window(options.window, Sh9{});
+  check_output(options.output, ".json", common);
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  EnvironmentInput input = load_environment_input(options.environment);
+  const auto loaded = Clock::now();
+  const RadianceMoments moments = radiance_moments(input.image);
+  const Sh9 whole = sh9_from_moments(moments);
+  const auto projected = Clock::now();
+  const IrradianceMap truth = bake_irradiance(make_irradiance_tree(input.image), truth_size);
+
+  Sh9Asset asset;
+  for (int order = automatic ? 0 : std::stoi(options.order); order <= 2; ++order) {
+    asset = make_asset(whole, order, options.window, truth.e, moments.total);
+    if (!automatic || asset.error.average <= options.max_error) break;
+  }
+  asset.metadata = std::move(input.origin);
+  asset.metadata["method"] = std::string("sh9");
+  const V3d least = minimum_irradiance(asset.sh);
+  const double least_e = std::min({least.x, least.y, least.z});
+  write_sh9_dialect(options.output, asset, dialect, common.force);
+
+  nlohmann::ordered_json result{{"file", options.output},
+                                {"kind", "sh9"},
+                                {"dialect", name(dialect)},
+                                {"layout", name(input.image.layout)},
+                                {"order", asset.order},
+                                {"window", {1, asset.window.band1, asset.window.band2}},
+                                {"average_error", asset.error.average},
+                                {"maximum_error", asset.error.maximum},
+                                {"average_error_of_mean_irradiance", asset.error.average_of_mean_e()},
+                                {"maximum_error_of_mean_irradiance", asset.error.maximum_of_mean_e()},
+                                {"total_radiance", {moments.total.x, moments.total.y, moments.total.z}},
+                                {"least_irradiance_lux", least_e},
+                                {"read_seconds", std::chrono::duration<double>(loaded - start).count()},
+                                {"projection_seconds", std::chrono::duration<double>(projected - loaded).count()}};
+  std::string text = fmt::format(
+      "{}: order {}, {} coefficients a channel{}\n", options.output, asset.order, (asset.order + 1) * (asset.order + 1),
+      asset.window.band1 != 1 || asset.window.band2 != 1
+          ? fmt::format(", bands 1 and 2 times {:.3f} and {:.3f}", asset.window.band1, asset.window.band2)
+          : std::string());
+  text += fmt::format(
+      "error of E: {:.2f} % on average, {:.2f} % at most, of the light of the whole sphere ({:.1f} % and {:.1f} % of "
+      "the "
+      "mean E)\n",
+      100 * asset.error.average, 100 * asset.error.maximum, 100 * asset.error.average_of_mean_e(),
+      100 * asset.error.maximum_of_mean_e());
+  if (automatic && asset.order < 2)
+    text += fmt::format("order {} already meets --max-error {:g}\n", asset.order, options.max_error);
+  if (automatic && asset.error.average > options.max_error) {
+    text +=
+        fmt::format("more than --max-error {:g}: nine coefficients are not enough, 'ivory bake difmap' keeps it all\n",
+                    options.max_error);
+  }
+  result["enough"] = asset.error.average <= options.max_error;
+  if (least_e < 0 && options.window == "none")
+    text += "the polynomial falls below zero for some normals (read as zero); --window auto smooths that away\n";
+  print_result(common, result, text);
+}
+
+}  // namespace
+
+void add_bake_sh9_command(CLI::App& bake, CommonOptions& common) {
+  auto* command = bake.add_subcommand("sh9", "Nine spherical-harmonic coefficients of an environment map (.json)");
+  auto options = std::make_shared<BakeSh9Options>();
+  command->add_option("environment", options->environment.path, "Environment map in nits: .exr, .hdr or other image")
+      ->required()
+      ->type_name("ENV");
+  command->add_option("-o,--output", options->output, "Coefficients to write, .json")
+      ->required()
+      ->type_name("OUT.json");
+  add_layout_option(*command, options->environment);
+  command->add_option("--order", options->order, "Highest band; auto stores the lowest that meets --max-error")
+      ->check(CLI::IsMember({"auto", "0", "1", "2"}))
+      ->capture_default_str();
+  command
+      ->add_option("--max-error", options->max_error,
+                   "For --order auto: average error of E, as a fraction of the light of the whole sphere")
+      ->check(within(0.0, 1.0), "in [0 - 1]")
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--window", options->window,
+          "Against negative lobes: none, auto (the least change that keeps E from falling below zero), or the\n"
+          "width of a Hann window in bands, from 2")
+      ->type_name("none|auto|WIDTH")
+      ->capture_default_str();
+  command->add_option("--dialect", options->dialect, "Who is to read it; only ivory's own is read back")
+      ->check(CLI::IsMember({"ivory", "filament", "three.js", "EXT_lights_image_based"}))
+      ->capture_default_str();
+  command->footer(
+      "E(n) = (n 1) M (n 1)^T in lux, with the file's matrices M for R, G and B.\n"
+      "--json: read_seconds is the time to load the map, projection_seconds that of its nine coefficients; the rest "
+      "of\n"
+      "the command's time goes into measuring their error at 6144 normals.\n"
+      "Examples:\n"
+      "  ivory bake sh9 sky.exr -o sky.json\n"
+      "  ivory bake sh9 probe.hdr -o probe.json --layout angular --order 2 --window auto --dialect three.js");
+  set_action(*command, common, Output::file, [options, command, &common] { run_bake_sh9(*options, *command, common); });
+}
+
+}  // namespace ivory

@@ -1,0 +1,101 @@
+// ivory bake spheres: a mesh as a sphere set that casts its shadows.
+#include <chrono>
+#include <filesystem>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "grid/base/error.h"
+#include "grid/io/sphere_set.h"
+#include "tools/cli/commands.h"
+#include "tools/cli/common.h"
+#include "tools/cli/scene_input.h"
+#include "tracer/bake/spheres/fit.h"
+#include "tracer/gltf/loader.h"
+
+namespace ivory {
+
+namespace {
+
+struct BakeSpheresOptions {
+  std::string mesh;
+  std::string output;
+  std::uint64_t count = 64;
+  int resolution = 0;
+};
+
+void run(const BakeSpheresOptions& options, const CommonOptions& common) {
+  if (options.count < 1 || options.count > 4096) throw UsageError("--count must lie between 1 and 4096");
+  check_output(options.output, ".json", common);
+  if (!is_scene_name(options.mesh)) throw Error(options.mesh, "is no .gltf or .glb file", "convert the mesh");
+  const LoadedScene loaded = load_gltf(options.mesh);
+  for (const std::string& warning : loaded.warnings) print_note(common, "warning: " + warning);
+
+  SphereFitParams params;
+  params.count = int(options.count);
+  params.resolution = options.resolution;
+  Progress progress(common, "fitting", "steps");
+  params.progress = [&](double fraction) { progress.update(std::uint64_t(fraction * 1000), 1000); };
+  const auto start = std::chrono::steady_clock::now();
+  SphereFit fit = fit_spheres(loaded.scene, params);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  const SphereFitErrors& e = fit.errors;
+  Metadata& m = fit.set.metadata;
+  m["version"] = std::string(IVORY_VERSION);
+  m["method"] = std::string("least symmetric difference, variational");
+  m["mesh"] = std::filesystem::path(options.mesh).filename().string();
+  m["mesh_hash"] = loaded.scene.content_hash;
+  m["count"] = std::int64_t(fit.set.spheres.size());
+  m["asked_for"] = std::int64_t(options.count);
+  m["solid"] = std::string(fit.solid ? "yes" : "no");
+  m["resolution"] = std::int64_t(fit.resolution);
+  m["surface_weight"] = fit.surface_weight;
+  m["bounding_radius_m"] = e.bounding_radius_m;
+  m["mesh_volume_m3"] = e.mesh_volume_m3;
+  m["volume_outside"] = e.volume_outside;
+  m["volume_uncovered"] = e.volume_uncovered;
+  m["surface_uncovered"] = e.surface_uncovered;
+  m["surface_mean"] = e.surface_mean;
+  m["surface_farthest"] = e.surface_farthest;
+  write_spheres(options.output, fit.set, common.force);
+
+  nlohmann::ordered_json result;
+  result["output"] = options.output;
+  for (const auto& [key, value] : m) std::visit([&, &k = key](const auto& v) { result[k] = v; }, value);
+  result["seconds"] = seconds;
+  result["warnings"] = loaded.warnings;
+  std::string human = fmt::format("{}: {} spheres, {} voxels along the longest side, {:.2f} s\n", options.output,
+                                  fit.set.spheres.size(), fit.resolution, seconds);
+  human += fmt::format("volume: {:.2f} % of the {} outside the mesh, {:.2f} % uncovered\n", 100 * e.volume_outside,
+                       fit.solid ? "mesh's" : "bounding sphere's", 100 * e.volume_uncovered);
+  human += fmt::format(
+      "surface: {:.2f} % of it farther than 2 % of the bounding radius beyond the spheres, mean distance {:.2f} %, "
+      "farthest {:.2f} %\n",
+      100 * e.surface_uncovered, 100 * e.surface_mean, 100 * e.surface_farthest);
+  if (!fit.solid) human += "the mesh encloses next to no volume: spheres cover its surface\n";
+  print_result(common, result, human);
+}
+
+}  // namespace
+
+void add_bake_spheres_command(CLI::App& bake, CommonOptions& common) {
+  auto* command = bake.add_subcommand("spheres", "A mesh as a set of spheres, which casts its shadows");
+  auto options = std::make_shared<BakeSpheresOptions>();
+  command->add_option("mesh", options->mesh, "Mesh: .gltf or .glb, all of its scene, in its world space")
+      ->required()
+      ->type_name("MESH");
+  command->add_option("-o,--output", options->output, "Sphere set to write")->required()->type_name("OUT.json");
+  add_count_option(*command, "--count", options->count, "Spheres, 4096 at most");
+  command->add_option("--resolution", options->resolution, "Voxels along the longest side [48 to 160 by --count]")
+      ->check(CLI::Range(16, 192));
+  command->footer(
+      "The volume that the spheres add and the volume that they leave out are made as small as can be, in sum.\n"
+      "Example:\n"
+      "  ivory bake spheres bunny.glb -o bunny.json --count 64");
+  set_action(*command, common, Output::file, [options, &common] { run(*options, common); });
+}
+
+}  // namespace ivory

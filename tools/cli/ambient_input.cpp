@@ -1,0 +1,35 @@
+#include "tools/cli/ambient_input.h"
+
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "grid/base/error.h"
+#include "grid/io/difmap.h"
+#include "grid/io/sh9.h"
+#include "tracer/env/irradiance.h"
+
+namespace ivory {
+
+std::function<Rgb(const V3f&)> load_ambient(const std::string& path, const SceneInput& input,
+                                            const CommonOptions& common) {
+  if (path.empty()) {
+    constexpr int size = 64;
+    const EnvironmentImage image{EnvironmentLayout::latlong, *input.scene.environment};
+    auto map = std::make_shared<DifMap>();
+    map->e = bake_irradiance(make_irradiance_tree(image), size).e;
+    return [map](const V3f& n) { return irradiance(*map, n); };
+  }
+  if (is_sh9_name(path)) {
+    const Sh9Asset asset = read_sh9(path);
+    check_environment(path, asset.metadata, input);
+    print_note(common, fmt::format("{}: E is wrong by {:.2f} % of the mean E on average", path,
+                                   100 * asset.error.average_of_mean_e()));
+    return [matrices = to_float(sh9_matrices(asset.sh))](const V3f& n) { return irradiance(matrices, n); };
+  }
+  auto map = std::make_shared<DifMap>(read_difmap(path));
+  check_environment(path, map->metadata, input);
+  return [map](const V3f& n) { return irradiance(*map, n); };
+}
+
+}  // namespace ivory

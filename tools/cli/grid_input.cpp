@@ -1,0 +1,67 @@
+#include "tools/cli/grid_input.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "grid/base/error.h"
+#include "grid/io/vdb/vdb.h"
+
+namespace ivory {
+
+std::shared_ptr<GridInputOptions> add_grid_options(CLI::App& command, const std::string& purpose) {
+  auto options = std::make_shared<GridInputOptions>();
+  command.add_option("--grid", options->grid, purpose)->type_name("GRID.vdb");
+  command.add_option("--guard", options->guard, "Leak guard of grid look-ups")
+      ->check(CLI::IsMember({"rays", "planes", "off"}))
+      ->capture_default_str();
+  command.add_option("--interpolation", options->interpolation, "Between grid vertices; tricubic is the B-spline")
+      ->check(CLI::IsMember({"trilinear", "tricubic"}))
+      ->capture_default_str();
+  command.add_option("--reconstruction", options->reconstruction, "Of irradiance from the stored vectors")
+      ->check(CLI::IsMember({"optimal", "paper"}))
+      ->capture_default_str();
+  return options;
+}
+
+const std::vector<std::string>& grid_option_names() {
+  static const std::vector<std::string> names{"--grid", "--guard", "--interpolation", "--reconstruction"};
+  return names;
+}
+
+IrradianceGrid load_grid(const GridInputOptions& options, const SceneInput& input, const CommonOptions& common) {
+  IrradianceGrid grid = read_grid_vdb(options.grid);
+  const auto text = [&](const char* key) {
+    const auto found = grid.metadata.find(key);
+    const auto* value = found == grid.metadata.end() ? nullptr : std::get_if<std::string>(&found->second);
+    return value == nullptr ? std::string() : *value;
+  };
+  if (text("light") == "direct and indirect")
+    throw Error(options.grid, "holds direct light, which rendering would count twice", "bake it without --direct");
+  if (options.guard == "planes" && grid.guard.empty())
+    throw Error(options.grid, "stores no guard planes", "bake it with --guard planes, or render with --guard rays");
+  check_environment(options.grid, grid.metadata, input);
+  if (!text("scene_hash").empty() && text("scene_hash") != input.scene.content_hash)
+    print_note(common, fmt::format("note: {} was baked from another scene ({})", options.grid, text("scene")));
+  if (options.reconstruction == "paper" && grid.basis != Basis::vectors)
+    throw UsageError(
+        fmt::format("--reconstruction paper needs a grid of basis vectors, {} has {}", options.grid, name(grid.basis)));
+  return grid;
+}
+
+GridLight grid_light(const GridInputOptions& options, const IrradianceGrid& grid) {
+  GridLight light;
+  light.grid = &grid;
+  light.guard = guard_from_name(options.guard);
+  light.lookup.interpolation = options.interpolation == "tricubic" ? Interpolation::tricubic : Interpolation::trilinear;
+  light.lookup.reconstruction = reconstruction_from_name(options.reconstruction);
+  return light;
+}
+
+void describe(const GridInputOptions& options, Metadata& metadata) {
+  metadata["grid"] = options.grid.substr(options.grid.find_last_of('/') + 1);
+  metadata["guard"] = options.guard;
+  metadata["interpolation"] = options.interpolation;
+  metadata["reconstruction"] = options.reconstruction;
+}
+
+}  // namespace ivory

@@ -1,0 +1,227 @@
+// ivory info: what a file holds and how it was made.
+#include <algorithm>
+#include <memory>
+#include <sstream>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "grid/io/difmap.h"
+#include "grid/io/exr.h"
+#include "grid/io/image_info.h"
+#include "grid/io/sh9.h"
+#include "grid/io/sphere_set.h"
+#include "grid/io/vdb/vdb.h"
+#include "tools/cli/commands.h"
+#include "tools/cli/common.h"
+#include "tools/cli/file_kind.h"
+#include "tools/cli/scene_input.h"
+
+namespace ivory {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const Metadata& metadata) {
+  Json json = Json::object();
+  for (const auto& [key, value] : metadata)
+    std::visit([&, &meta_key = key](const auto& v) { json[meta_key] = v; }, value);
+  return json;
+}
+
+template <typename Vector>
+Json vector_json(const Vector& v) {
+  return {shortest(v.x), shortest(v.y), shortest(v.z)};
+}
+
+// Vectors and lists come as text from the file.
+Json vdb_json(const std::string& path) {
+  Json json = json_of(read_vdb_info(path));
+  for (auto& [key, value] : json.items()) {
+    if (key == "size" || key == "origin_m" || key == "spacing_m" || key.starts_with("axis_")) {
+      Json list = Json::parse(value.get<std::string>(), nullptr, /*allow_exceptions=*/false);
+      if (list.is_array()) value = std::move(list);
+    }
+  }
+  Json names = Json::array();
+  std::istringstream list(json["grids"].get<std::string>());
+  for (std::string name; list >> name;) names.push_back(name);
+  json["grids"] = std::move(names);
+  return json;
+}
+
+Json exr_asset_json(const std::string& path, const std::string& kind) {
+  const ExrAsset asset = read_exr(path, kind, "bake it again");
+  Json json{{"kind", kind}, {"width", asset.width}, {"height", asset.height}, {"channels", asset.channels}};
+  json.update(json_of(asset.metadata));
+  for (const auto& [key, list] : asset.lists) {
+    for (const float value : list) json[key].push_back(shortest(value));
+  }
+  return json;
+}
+
+Json spheres_json(const std::string& path) {
+  const SphereSet set = read_spheres(path);
+  Json json{{"kind", "spheres"}, {"spheres", set.spheres.size()}};
+  Box3f box;
+  float smallest = set.spheres.front().radius_m;
+  float largest = 0;
+  for (const Sphere& s : set.spheres) {
+    const V3f r(s.radius_m, s.radius_m, s.radius_m);
+    box.extendBy(s.center - r);
+    box.extendBy(s.center + r);
+    smallest = std::min(smallest, s.radius_m);
+    largest = std::max(largest, s.radius_m);
+  }
+  json["radius_min_m"] = shortest(smallest);
+  json["radius_max_m"] = shortest(largest);
+  json["bounds_min_m"] = vector_json(box.min);
+  json["bounds_max_m"] = vector_json(box.max);
+  json.update(json_of(set.metadata));
+  return json;
+}
+
+Json scene_json(const std::string& path, const CommonOptions& common) {
+  // The warnings are part of the result here.
+  CommonOptions silent = common;
+  silent.quiet = true;
+  const auto input = load_scene_input(path, {}, silent);
+  const Scene& scene = input->scene;
+  std::size_t triangles = 0;
+  std::size_t placed = 0;
+  for (const Mesh& mesh : scene.meshes) triangles += mesh.triangles.size();
+  for (const Instance& instance : scene.instances) placed += scene.meshes[std::size_t(instance.mesh)].triangles.size();
+  const auto emissive = std::count_if(scene.materials.begin(), scene.materials.end(),
+                                      [](const Material& material) { return !is_black(material.emission); });
+  std::size_t points = 0;
+  std::size_t spots = 0;
+  std::size_t suns = 0;
+  for (const PunctualLight& light : scene.lights) {
+    points += std::holds_alternative<PointLight>(light) ? 1 : 0;
+    spots += std::holds_alternative<SpotLight>(light) ? 1 : 0;
+    suns += std::holds_alternative<DirectionalLight>(light) ? 1 : 0;
+  }
+  Json json{{"kind", "scene"},
+            {"content_hash", scene.content_hash},
+            {"triangles", triangles},
+            {"triangles_placed", placed},
+            {"meshes", scene.meshes.size()},
+            {"instances", scene.instances.size()},
+            {"materials", scene.materials.size()},
+            {"emissive_materials", emissive},
+            {"images", scene.images.size()},
+            {"cameras", scene.cameras.size()},
+            {"point_lights", points},
+            {"spot_lights", spots},
+            {"directional_lights", suns},
+            {"spherical_lights", scene.sphere_lights.size()}};
+  if (const Box3f box = bounds(scene); !box.isEmpty()) {
+    json["bounds_min_m"] = vector_json(box.min);
+    json["bounds_max_m"] = vector_json(box.max);
+  }
+  json["power_lm"] = vector_json(input->lights->total_power_lm());
+  json["warnings"] = input->warnings;
+  return json;
+}
+
+Json sh9_json(const std::string& path) {
+  const Sh9Asset asset = read_sh9(path);
+  Json json{{"kind", "sh9"},
+            {"order", asset.order},
+            {"window", {1, asset.window.band1, asset.window.band2}},
+            {"average_error", asset.error.average},
+            {"maximum_error", asset.error.maximum},
+            {"average_error_of_mean_irradiance", asset.error.average_of_mean_e()},
+            {"maximum_error_of_mean_irradiance", asset.error.maximum_of_mean_e()}};
+  json.update(json_of(asset.metadata));
+  Json coefficients = Json::array();
+  for (const V3d& rgb : asset.sh.coefficients) coefficients.push_back({rgb.x, rgb.y, rgb.z});
+  json["coefficients"] = std::move(coefficients);
+  return json;
+}
+
+Json difmap_json(const std::string& path) {
+  const DifMap map = read_difmap(path);
+  Json json{{"kind", "difmap"}};
+  json.update(json_of(map.metadata));
+  Rgb least = map.e.texels.front();
+  Rgb greatest = least;
+  for (const Rgb& e : map.e.texels) {
+    for (unsigned c = 0; c < 3; ++c) {
+      least[c] = std::min(least[c], e[c]);
+      greatest[c] = std::max(greatest[c], e[c]);
+    }
+  }
+  json["least_irradiance_lux"] = vector_json(least);
+  json["greatest_irradiance_lux"] = vector_json(greatest);
+  return json;
+}
+
+std::string text_of(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (!value.is_array()) return value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string text;
+  for (const Json& item : value) text += (text.empty() ? "" : " ") + text_of(item);
+  return text;
+}
+
+void run_info(const std::string& path, const CommonOptions& common) {
+  Json json{{"file", path}};
+  switch (const FileKind kind = file_kind(path)) {
+    case FileKind::scene:
+      json.update(scene_json(path, common));
+      break;
+    case FileKind::grid:
+      json.update(vdb_json(path));
+      break;
+    case FileKind::sh9:
+      json.update(sh9_json(path));
+      break;
+    case FileKind::difmap:
+      json.update(difmap_json(path));
+      break;
+    case FileKind::spheres:
+      json.update(spheres_json(path));
+      break;
+    case FileKind::fiv:
+    case FileKind::cubemap:
+    case FileKind::lobes:
+      json.update(exr_asset_json(path, std::string(name(kind))));
+      break;
+    case FileKind::image:
+      json["kind"] = "image";
+      json.update(json_of(read_image_info(path)));
+      break;
+  }
+  std::string text;
+  for (const auto& [key, value] : json.items()) {
+    if (key == "warnings") {
+      for (const Json& warning : value) text += fmt::format("{:<20} {}\n", "warning", text_of(warning));
+    } else if (value.is_array() && value.size() > 60) {
+      text += fmt::format("{:<20} {} of them; --json lists all\n", key, value.size());
+    } else {
+      text += fmt::format("{:<20} {}\n", key, text_of(value));
+    }
+  }
+  print_result(common, json, text);
+}
+
+}  // namespace
+
+void add_info_command(CLI::App& app, CommonOptions& common) {
+  auto* command = app.add_subcommand("info", "What a file holds and how it was made: assets, parts, scenes, images");
+  auto path = std::make_shared<std::string>();
+  command->add_option("file", *path, "File: .vdb, .gltf, .glb, a baked .exr or .json, or an image")
+      ->required()
+      ->type_name("FILE");
+  command->footer(
+      "Lengths are in metres, powers in lumen (R G B), irradiance in lux.\n"
+      "Examples:\n"
+      "  ivory info room.vdb\n"
+      "  ivory info room.glb --json");
+  set_action(*command, common, Output::none, [path, &common] { run_info(*path, common); });
+}
+
+}  // namespace ivory

@@ -1,0 +1,71 @@
+// ivory merge: partial bakes into one, exactly.
+#include <algorithm>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "grid/base/error.h"
+#include "grid/io/vdb/vdb.h"
+#include "tools/bake/grid_result.h"
+#include "tools/cli/commands.h"
+#include "tools/cli/common.h"
+
+namespace ivory {
+
+namespace {
+
+struct MergeOptions {
+  std::vector<std::string> parts;
+  std::string output;
+};
+
+// Where a part's photons begin; 0 where the file does not say, which reading it then refuses.
+std::int64_t photon_begin(const std::string& path) {
+  const Metadata info = read_vdb_info(path);
+  const auto found = info.find("photon_begin");
+  const auto* begin = found == info.end() ? nullptr : std::get_if<std::int64_t>(&found->second);
+  return begin == nullptr ? 0 : *begin;
+}
+
+void run_merge(const MergeOptions& options, const CommonOptions& common) {
+  check_output(options.output, ".vdb", common);
+  // In order of their photons and one after the other, so that two parts at most are in memory.
+  std::vector<std::pair<std::int64_t, std::string>> order;
+  for (const std::string& part : options.parts) order.emplace_back(photon_begin(part), part);
+  std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+
+  GridSums total = read_sums_vdb(order[0].second);
+  for (std::size_t i = 1; i < order.size(); ++i) {
+    std::vector<GridSums> two;
+    two.push_back(std::move(total));
+    two.push_back(read_sums_vdb(order[i].second));
+    total = merge(std::move(two), {order[i - 1].second, order[i].second});
+  }
+  const bool whole = is_whole(total);
+  auto result = write_result(options.output, total, whole, common);
+  result["parts"] = options.parts.size();
+  result["complete"] = whole;
+  std::string text = result_text(result);
+  if (!whole) text += "photons are still missing: merge this file with the other parts to finish the grid\n";
+  print_result(common, result, text);
+}
+
+}  // namespace
+
+void add_merge_command(CLI::App& app, CommonOptions& common) {
+  auto* command = app.add_subcommand("merge", "Add up partial bakes (bake grid --photon-range) into one file");
+  auto options = std::make_shared<MergeOptions>();
+  command->add_option("parts", options->parts, "Parts of one bake, in any order")->required()->type_name("PART.vdb");
+  command->add_option("-o,--output", options->output, "File to write, .vdb")->required()->type_name("OUT.vdb");
+  command->footer(
+      "Once the parts hold every photon of the bake, the output is the finished grid, to the byte what one\n"
+      "machine would have baked; until then it is a larger part.\n"
+      "Example:\n"
+      "  ivory bake grid room.glb -o a.vdb --photons 16m --photon-range 0:8m\n"
+      "  ivory bake grid room.glb -o b.vdb --photons 16m --photon-range 8m:16m\n"
+      "  ivory merge a.vdb b.vdb -o room.vdb");
+  set_action(*command, common, Output::file, [options, &common] { run_merge(*options, common); });
+}
+
+}  // namespace ivory

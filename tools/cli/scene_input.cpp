@@ -1,0 +1,52 @@
+#include "tools/cli/scene_input.h"
+
+#include <filesystem>
+
+#include "grid/base/error.h"
+#include "grid/io/file.h"
+#include "tracer/gltf/loader.h"
+
+namespace ivory {
+
+bool is_scene_name(const std::string& path) {
+  const std::string extension = lower_extension(path);
+  return extension == ".gltf" || extension == ".glb";
+}
+
+void check_environment(const std::string& path, const Metadata& metadata, const SceneInput& input) {
+  const auto baked = metadata.find("environment_hash");
+  const auto given = input.origin.find("environment_hash");
+  const bool lit = given != input.origin.end();
+  if (baked == metadata.end()) {
+    if (lit) throw Error(path, "was baked without an environment map", "leave out --env, or bake it with the same");
+    return;
+  }
+  if (lit && baked->second == given->second) return;
+  const auto name = metadata.find("environment");
+  const auto* text = name == metadata.end() ? nullptr : std::get_if<std::string>(&name->second);
+  const std::string known = text == nullptr ? "unknown" : *text;
+  if (lit) throw Error(path, "was baked for another environment (" + known + ")", "bake it for the one given by --env");
+  throw Error(path, "was baked for an environment (" + known + ")", "give that by --env, or bake it without");
+}
+
+std::unique_ptr<SceneInput> load_scene_input(const std::string& path, const EnvironmentChoice& environment,
+                                             const CommonOptions& common, const std::function<void(Scene&)>& extend) {
+  auto input = std::make_unique<SceneInput>();
+  LoadedScene loaded = load_gltf(path);
+  input->scene = std::move(loaded.scene);
+  input->warnings = std::move(loaded.warnings);
+  input->origin["scene"] = std::filesystem::path(path).filename().string();
+  input->origin["scene_hash"] = input->scene.content_hash;
+  if (!environment.path.empty()) {
+    EnvironmentInput map = load_environment_input(environment);
+    input->scene.environment = to_latlong(std::move(map.image));
+    input->origin.merge(map.origin);
+  }
+  if (extend) extend(input->scene);
+  for (const std::string& warning : input->warnings) print_note(common, "warning: " + warning);
+  input->intersector = std::make_unique<Intersector>(input->scene);
+  input->lights = std::make_unique<Lights>(input->scene, *input->intersector);
+  return input;
+}
+
+}  // namespace ivory

@@ -1,0 +1,42 @@
+// The scene that a command works on: the glTF file, the environment map given beside it, and all
+// that is built from the two.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "grid/base/metadata.h"
+#include "tools/cli/common.h"
+#include "tools/cli/environment_input.h"
+#include "tracer/core/intersector.h"
+#include "tracer/core/scene.h"
+#include "tracer/lights/lights.h"
+
+namespace ivory {
+
+// Holds addresses of its own members: neither copied nor moved, which is why it comes in a pointer.
+struct SceneInput {
+  Scene scene;
+  std::vector<std::string> warnings;
+  std::unique_ptr<Intersector> intersector;
+  std::unique_ptr<Lights> lights;
+  Metadata origin;  // scene, scene_hash, environment, environment_hash ...: names without folders, hashes of contents
+};
+
+// True for the names that load as scenes: .gltf and .glb, in any case.
+bool is_scene_name(const std::string& path);
+
+// Throws Error where `path`, an asset with that metadata, was baked for another environment than `input` has; none is
+// an environment like any other.
+void check_environment(const std::string& path, const Metadata& metadata, const SceneInput& input);
+
+// Loads `path` and, unless its path is empty, the environment map, resampled to lat-long where it has another
+// layout; prints the loader's warnings as notes. `extend`, unless empty, may add to the scene before the rest is
+// built from it. Throws Error as load_gltf() and load_environment() do.
+std::unique_ptr<SceneInput> load_scene_input(const std::string& path, const EnvironmentChoice& environment,
+                                             const CommonOptions& common,
+                                             const std::function<void(Scene&)>& extend = {});
+
+}  // namespace ivory

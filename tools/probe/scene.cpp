@@ -1,0 +1,79 @@
+// ivory probe SCENE: irradiance by path tracing, the truth.
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+#include "grid/base/error.h"
+#include "tools/cli/scene_input.h"
+#include "tools/probe/source.h"
+#include "tracer/render/probe.h"
+
+namespace ivory {
+
+namespace {
+
+struct SceneOptions {
+  EnvironmentChoice environment;
+  std::uint64_t samples = 1024;
+  std::uint64_t seed = 1;
+  int bounces = ProbeParams{}.max_bounces;
+};
+
+ProbeEstimates probe_path_traced(const SceneOptions& options, const ProbeRequest& request) {
+  const PointsTable& table = request.table;
+  const CommonOptions& common = request.common;
+  const auto input = load_scene_input(request.source, options.environment, common);
+  std::vector<ProbePoint> points;
+  for (std::size_t i = 0; i < table.p.size(); ++i) points.push_back({table.p[i], table.n[i]});
+  ProbeParams params;
+  params.samples = static_cast<int>(options.samples);
+  params.max_bounces = options.bounces;
+  params.seed = options.seed;
+  params.threads = thread_count(common);
+  params.indirect_only = request.indirect_only;
+  Progress progress(common, "probing", "paths");
+  const std::uint64_t paths = points.size() * options.samples;
+  params.progress = [&](double fraction) {
+    progress.update(static_cast<std::uint64_t>(fraction * static_cast<double>(paths)), paths);
+  };
+  ProbeEstimates out;
+  for (const ProbeResult& result : probe_scene(input->scene, *input->intersector, *input->lights, points, params)) {
+    out.e.push_back(result.e);
+    out.standard_error.push_back(result.standard_error);
+  }
+  out.facts = {{"source", std::string("scene")},
+               {"samples", std::int64_t(options.samples)},
+               {"seed", std::int64_t(options.seed)}};
+  return out;
+}
+
+}  // namespace
+
+ProbeSource make_scene_source(CLI::App& command) {
+  auto options = std::make_shared<SceneOptions>();
+  const std::string scenes = "For scenes";
+  add_environment_options(command, options->environment, scenes);
+  command
+      .add_option_function<std::string>(
+          "--samples",
+          [options](const std::string& text) {
+            options->samples = parse_count("--samples", text);
+            if (options->samples < 2 || options->samples > 2'000'000'000)
+              throw UsageError("--samples must lie between 2 and 2g");
+          },
+          "Paths a point; k, m, g are allowed")
+      ->default_str("1024")
+      ->type_name("COUNT")
+      ->group(scenes);
+  add_count_option(command, "--seed", options->seed, "Seed of the random numbers")->group(scenes);
+  add_count_option(command, "--bounces", options->bounces, 1, 1'000'000, "Surfaces a path may scatter at")
+      ->group(scenes);
+  ProbeSource source;
+  source.name = "scenes";
+  source.options = {"--env", "--layout", "--samples", "--seed", "--bounces"};
+  source.matches = is_scene_name;
+  source.probe = [options](const ProbeRequest& request) { return probe_path_traced(*options, request); };
+  return source;
+}
+
+}  // namespace ivory

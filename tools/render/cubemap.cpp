@@ -1,0 +1,77 @@
+// ivory render --method cubemap: dynamic objects lit by a localized cube map.
+#include "grid/io/cubemap.h"
+
+#include <memory>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "grid/base/error.h"
+#include "tools/cli/grid_input.h"
+#include "tools/render/method.h"
+#include "tracer/render/object_light.h"
+
+namespace ivory {
+
+namespace {
+
+struct CubemapOptions {
+  std::string path;
+  std::string lookup = "polygon";
+  std::shared_ptr<GridInputOptions> grid;
+};
+
+Film render_cubemap(const CubemapOptions& options, const RenderRequest& request) {
+  const CommonOptions& common = request.common;
+  const LocalizedCube cube = read_localized_cube(options.path);
+  check_environment(options.path, cube.metadata, request.input);
+  const auto baked = cube.metadata.find("scene_hash");
+  if (baked != cube.metadata.end() && baked->second != MetaValue(request.input.scene.content_hash))
+    print_note(common, fmt::format("note: {} was baked from another scene", options.path));
+  ObjectLightParams params;
+  params.is_object = request.is_object;
+  std::optional<IrradianceGrid> grid;
+  GridLight light;
+  if (!options.grid->grid.empty()) {
+    grid = load_grid(*options.grid, request.input, common);
+    light = grid_light(*options.grid, *grid);
+    params.grid = &light;
+  }
+  return render_with_cube(*request.input.intersector, *request.input.lights,
+                          {&cube, cube_method_from_name(options.lookup)}, request.view, request.params, params);
+}
+
+}  // namespace
+
+RenderMethod make_cubemap_method(CLI::App& command, const std::shared_ptr<GridInputOptions>& grid) {
+  auto options = std::make_shared<CubemapOptions>();
+  options->grid = grid;
+  command.add_option("--cubemap", options->path, "Localized cube map that lights the objects (see ivory bake cubemap)")
+      ->type_name("MAP.exr");
+  command
+      .add_option("--lookup", options->lookup,
+                  "How the cube map is read: texels as polygons; polygons without a cut at the horizon, as\n"
+                  "published; points; or a map of 6x16x16 texels convolved at the reference point, distances\n"
+                  "ignored")
+      ->check(CLI::IsMember({"polygon", "polygon_paper", "point", "convolved"}))
+      ->capture_default_str();
+  RenderMethod method;
+  method.name = "cubemap";
+  method.summary = "path, or direct with --grid, but --object lit by --cubemap";
+  method.options = grid_option_names();
+  method.options.insert(method.options.end(), {"--cubemap", "--lookup"});
+  method.uses_objects = true;
+  method.check = [options] {
+    if (options->path.empty()) throw UsageError("--method cubemap needs --cubemap MAP.exr (see ivory bake cubemap)");
+  };
+  method.render = [options](const RenderRequest& request) { return render_cubemap(*options, request); };
+  method.describe = [options](Metadata& m) {
+    m["cubemap"] = options->path.substr(options->path.find_last_of('/') + 1);
+    m["lookup"] = options->lookup;
+    if (!options->grid->grid.empty()) describe(*options->grid, m);
+  };
+  return method;
+}
+
+}  // namespace ivory

@@ -1,0 +1,68 @@
+// ivory render --method direct | gather: indirect light from a baked grid.
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "grid/base/error.h"
+#include "tools/cli/grid_input.h"
+#include "tools/render/method.h"
+#include "tracer/render/final_gather.h"
+
+namespace ivory {
+
+namespace {
+
+struct GatherOptions {
+  std::shared_ptr<GridInputOptions> grid;
+  std::shared_ptr<std::uint64_t> gather;
+};
+
+Film render_grid(const GatherOptions& options, bool gather, const RenderRequest& request) {
+  const IrradianceGrid grid = load_grid(*options.grid, request.input, request.common);
+  GatherParams params;
+  params.gather_rays = gather ? int_count("--gather", *options.gather, 1) : 0;
+  params.indirect_only = request.indirect_only;
+  const Intersector& intersector = *request.input.intersector;
+  const GridLight light = grid_light(*options.grid, grid);
+  return render_gather(intersector, *request.input.lights, indirect_light(intersector, light), request.view,
+                       request.params, params);
+}
+
+RenderMethod make_method(const std::shared_ptr<GatherOptions>& options, bool gather) {
+  RenderMethod method;
+  method.name = gather ? "gather" : "direct";
+  method.summary = gather ? "final gather, one bounce before --grid is read" : "indirect light read from --grid";
+  method.options = grid_option_names();
+  if (gather) method.options.push_back("--gather");
+  method.check = [options, gather] {
+    if (options->grid->grid.empty())
+      throw UsageError(
+          fmt::format("--method {} needs --grid GRID.vdb (see ivory bake grid)", gather ? "gather" : "direct"));
+    if (gather) int_count("--gather", *options->gather, 1);
+  };
+  method.render = [options, gather](const RenderRequest& request) { return render_grid(*options, gather, request); };
+  method.describe = [options, gather](Metadata& m) {
+    describe(*options->grid, m);
+    if (gather) m["gather_rays"] = std::int64_t(*options->gather);
+  };
+  return method;
+}
+
+}  // namespace
+
+std::shared_ptr<std::uint64_t> add_gather_option(CLI::App& command) {
+  auto gather = std::make_shared<std::uint64_t>(16);
+  add_count_option(command, "--gather", *gather, "Rays a sample");
+  return gather;
+}
+
+std::vector<RenderMethod> make_grid_methods(const std::shared_ptr<GridInputOptions>& grid,
+                                            const std::shared_ptr<std::uint64_t>& gather) {
+  auto options = std::make_shared<GatherOptions>();
+  options->grid = grid;
+  options->gather = gather;
+  return {make_method(options, false), make_method(options, true)};
+}
+
+}  // namespace ivory

@@ -1,0 +1,130 @@
+// ivory render --method lobes.
+#include "grid/io/lobes.h"
+
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "grid/base/error.h"
+#include "grid/io/sphere_set.h"
+#include "tools/render/method.h"
+#include "tracer/render/lobes.h"
+
+namespace ivory {
+
+namespace {
+
+struct LobeOptions {
+  std::string table;
+  std::vector<std::string> sphere_sets;
+  std::string shadows = "lobes";
+  std::string mask = "center";
+  std::uint64_t shadow_rays = 64;
+  LobeParams params;
+};
+
+// "FILE.json" or "FILE.json@X,Y,Z": an @ before the extension belongs to the name.
+std::vector<Sphere> load_placed(const std::string& text) {
+  const bool moved = !text.ends_with(".json");
+  const std::size_t at = moved ? text.find_last_of('@') : std::string::npos;
+  V3f offset(0, 0, 0);
+  if (at != std::string::npos) offset = parse_vector3("--spheres", std::string_view(text).substr(at + 1));
+  std::vector<Sphere> spheres = read_spheres(text.substr(0, at)).spheres;
+  for (Sphere& sphere : spheres) sphere.center += offset;
+  return spheres;
+}
+
+LobeParams params_of(const LobeOptions& options) {
+  LobeParams params = options.params;
+  params.shadow_rays = int_count("--shadow-rays", options.shadow_rays, 1);
+  if (options.shadows == "none") params.shadows = LobeShadows::none;
+  if (options.shadows == "spheres") params.shadows = LobeShadows::spheres;
+  if (options.shadows == "mesh") params.shadows = LobeShadows::mesh;
+  if (options.mask == "inside") params.mask_rule = MaskRule::inside;
+  if (options.mask == "touched") params.mask_rule = MaskRule::touched;
+  return params;
+}
+
+Film render(const LobeOptions& options, const RenderRequest& request) {
+  const Scene& scene = request.input.scene;
+  if (scene.sphere_lights.empty())
+    throw Error(scene.name, "has no spherical light, the only kind that --method lobes lights by",
+                "give --sphere-light X,Y,Z,RADIUS,R,G,B, or extras.ivory_sphere_light in the scene");
+  LobeScene lobes;
+  lobes.table = options.table.empty() ? make_lobe_table() : read_lobes(options.table).table;
+  lobes.lights = scene.sphere_lights;
+  std::vector<Sphere> occluders;
+  for (const std::string& text : options.sphere_sets) {
+    const std::vector<Sphere> placed = load_placed(text);
+    occluders.insert(occluders.end(), placed.begin(), placed.end());
+  }
+  for (const SphereLight& light : scene.sphere_lights) occluders.push_back({light.center, light.radius_m});
+  lobes.occluders = make_sphere_groups(std::move(occluders));
+  if (!scene.lights.empty() || scene.environment)
+    print_note(request.common,
+               "note: --method lobes leaves out point, spot and directional lights and the environment");
+  return render_lobes(lobes, *request.input.intersector, request.view, request.params, params_of(options));
+}
+
+}  // namespace
+
+RenderMethod make_lobes_method(CLI::App& command) {
+  auto options = std::make_shared<LobeOptions>();
+  command.add_option("--lobes", options->table, "Table of lobe products [built at start, in a second]")
+      ->type_name("LOBES.exr");
+  command
+      .add_option("--spheres", options->sphere_sets, "Sphere set that casts shadows, moved by X,Y,Z; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("SET.json[@X,Y,Z]");
+  command
+      .add_option("--shadows", options->shadows,
+                  "lobes: masks of sphere sets; spheres, mesh: Monte Carlo on the sets or on the triangles; none")
+      ->check(CLI::IsMember({"lobes", "spheres", "mesh", "none"}))
+      ->capture_default_str();
+  add_count_option(command, "--shadow-rays", options->shadow_rays,
+                   "Rays a light and sample, stratified (with --shadows spheres or mesh)");
+  command.add_option("--mask-depth", options->params.mask_depth, "Depth of the visibility mask's quad-tree")
+      ->check(CLI::Range(0, max_mask_depth))
+      ->capture_default_str();
+  command
+      .add_option("--mask", options->mask,
+                  "What of a mask's cell must lie behind a sphere: its center, its inside, or be touched")
+      ->check(CLI::IsMember({"center", "inside", "touched"}))
+      ->capture_default_str();
+  command
+      .add_option("--threshold", options->params.threshold,
+                  "Lobe products under this fraction of the unshadowed light are dropped")
+      ->check(within(0.0, 1.0), "in [0 - 1]")
+      ->capture_default_str();
+  command
+      .add_option("--split", options->params.max_split_level,
+                  "A light wider than a highlight is taken as up to 4^SPLIT lobes")
+      ->check(CLI::Range(0, max_mask_depth))
+      ->capture_default_str();
+  RenderMethod method;
+  method.name = "lobes";
+  method.summary = "direct light of spherical lights by cosine lobes";
+  method.options = {"--lobes",      "--spheres", "--shadows",   "--shadow-rays",
+                    "--mask-depth", "--mask",    "--threshold", "--split"};
+  method.direct_only = true;
+  method.check = [options] {
+    params_of(*options);
+    if (options->shadows != "mesh" && options->shadows != "none") {
+      for (const std::string& text : options->sphere_sets) load_placed(text);
+    }
+  };
+  method.render = [options](const RenderRequest& request) { return render(*options, request); };
+  method.describe = [options](Metadata& m) {
+    m["shadows"] = options->shadows;
+    m["mask_depth"] = std::int64_t(options->params.mask_depth);
+    m["mask"] = options->mask;
+    m["threshold"] = double(options->params.threshold);
+    m["split"] = std::int64_t(options->params.max_split_level);
+    if (options->shadows == "spheres" || options->shadows == "mesh")
+      m["shadow_rays"] = std::int64_t(options->shadow_rays);
+  };
+  return method;
+}
+
+}  // namespace ivory

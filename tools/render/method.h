@@ -1,0 +1,55 @@
+// One way to light a picture, as `ivory render --method NAME` offers it: the options that only it
+// reads, what it checks before work starts, and the rendering itself.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "grid/base/metadata.h"
+#include "tools/cli/scene_input.h"
+#include "tracer/core/film.h"
+#include "tracer/render/render.h"
+
+namespace ivory {
+
+struct GridInputOptions;
+
+struct RenderRequest {
+  const SceneInput& input;
+  const View& view;
+  const RenderParams& params;
+  const std::vector<bool>& is_object;  // for each of the scene's instances: is it one that --object names?
+  bool indirect_only;  // only light with at least one surface between its source and the first surface seen
+  const CommonOptions& common;
+};
+
+struct RenderMethod {
+  std::string name;
+  std::string summary;               // for the help of --method: "reference path tracer"
+  std::vector<std::string> options;  // that it reads and not every method does: "--grid"
+  bool uses_objects = false;       // does --object change how it renders? Otherwise objects are just part of the scene
+  bool needs_environment = false;  // is --env a must?
+  bool direct_only = false;        // does it leave out all indirect light?
+  std::function<void()> check;     // throws UsageError for what its options lack; runs before the scene is loaded
+  std::function<void(Scene&)> extend;  // adds to the loaded scene before anything is built from it; may be empty
+  std::function<Film(const RenderRequest&)> render;
+  std::function<void(Metadata&)> describe;  // its parameters, for the picture's attributes
+};
+
+// Each adds its options to the command; what the returned functions share lives as long as they do.
+RenderMethod make_path_method(CLI::App& command);
+// --gather, the rays a sample: of the grid's `gather` and of the photon map.
+std::shared_ptr<std::uint64_t> add_gather_option(CLI::App& command);
+std::vector<RenderMethod> make_grid_methods(const std::shared_ptr<GridInputOptions>& grid,
+                                            const std::shared_ptr<std::uint64_t>& gather);  // direct, gather
+RenderMethod make_photonmap_method(CLI::App& command, const std::shared_ptr<std::uint64_t>& gather);
+RenderMethod make_cubemap_method(CLI::App& command, const std::shared_ptr<GridInputOptions>& grid);
+RenderMethod make_lobes_method(CLI::App& command);
+RenderMethod make_fiv_method(CLI::App& command);
+
+// A count of a command line as an int; throws UsageError where it is less than `least` or too large.
+int int_count(const char* option, std::uint64_t count, std::uint64_t least);
+
+}  // namespace ivory

@@ -1,0 +1,79 @@
+// ivory render --method photonmap: indirect light from a photon map, made for the picture.
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include "grid/base/error.h"
+#include "tools/cli/common.h"
+#include "tools/render/method.h"
+#include "tracer/render/final_gather.h"
+#include "tracer/render/photon_map.h"
+
+namespace ivory {
+
+namespace {
+
+struct PhotonMapOptions {
+  std::uint64_t photons = PhotonMapParams{}.photons;
+  std::uint64_t neighbours = std::uint64_t(PhotonMapParams{}.neighbours);
+  std::shared_ptr<std::uint64_t> gather;
+  const CLI::Option* gather_option = nullptr;
+  // What was made of them, for describe().
+  std::size_t stored = 0;
+  std::size_t bytes = 0;
+
+  // Read at the visible surface unless rays are asked for.
+  int gather_rays() const { return gather_option->count() > 0 ? int_count("--gather", *gather, 0) : 0; }
+};
+
+Film render(PhotonMapOptions& options, const RenderRequest& request) {
+  PhotonMapParams params;
+  params.photons = options.photons;
+  params.neighbours = int_count("--neighbours", options.neighbours, 2);
+  params.seed = request.params.seed;
+  params.threads = request.params.threads;
+  const PhotonMap map = [&] {
+    Progress progress(request.common, "mapping", "photons");
+    params.progress = progress.callback();
+    return PhotonMap(*request.input.intersector, *request.input.lights, params);
+  }();
+  options.stored = map.photons_stored();
+  options.bytes = map.bytes();
+  GatherParams gather;
+  gather.gather_rays = options.gather_rays();
+  gather.indirect_only = request.indirect_only;
+  // On the surface's geometric side: estimates stand for surfaces, not for shading normals.
+  const IndirectLight light = [&map](const Surface& surface) { return map.irradiance(surface.p, surface.ng); };
+  return render_gather(*request.input.intersector, *request.input.lights, light, request.view, request.params, gather);
+}
+
+}  // namespace
+
+RenderMethod make_photonmap_method(CLI::App& command, const std::shared_ptr<std::uint64_t>& gather) {
+  auto options = std::make_shared<PhotonMapOptions>();
+  options->gather = gather;
+  options->gather_option = command.get_option("--gather");
+  add_count_option(command, "--photons", options->photons, "Photons sent out from the lights");
+  add_count_option(command, "--neighbours", options->neighbours, "Photons that an estimate of their density counts");
+  RenderMethod method;
+  method.name = "photonmap";
+  method.summary = "photon map with precomputed irradiance, to compare with; read directly, or behind --gather rays";
+  method.options = {"--photons", "--neighbours", "--gather"};
+  method.check = [options] {
+    if (options->photons == 0) throw UsageError("--photons must be at least 1");
+    int_count("--neighbours", options->neighbours, 2);
+    options->gather_rays();
+  };
+  method.render = [options](const RenderRequest& request) { return render(*options, request); };
+  method.describe = [options](Metadata& m) {
+    m["photons"] = std::int64_t(options->photons);
+    m["neighbours"] = std::int64_t(options->neighbours);
+    m["gather_rays"] = std::int64_t(options->gather_rays());
+    m["photons_stored"] = std::int64_t(options->stored);
+    m["map_bytes"] = std::int64_t(options->bytes);
+  };
+  return method;
+}
+
+}  // namespace ivory

@@ -1,0 +1,259 @@
+// ivory render: a picture by any of the methods.
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "grid/base/error.h"
+#include "tools/cli/commands.h"
+#include "tools/cli/common.h"
+#include "tools/cli/dynamic_objects.h"
+#include "tools/cli/grid_input.h"
+#include "tools/cli/scene_input.h"
+#include "tools/render/method.h"
+#include "tracer/image/file.h"
+#include "tracer/lights/sphere.h"
+
+namespace ivory {
+
+namespace {
+
+struct RenderOptions {
+  std::string scene;
+  std::vector<std::string> outputs;  // one picture in several formats
+  std::string method = "path";
+  EnvironmentChoice environment;
+  std::string camera;
+  std::vector<SphereLight> sphere_lights;
+  std::vector<std::string> sphere_light_texts;
+  std::uint64_t samples = 64;
+  std::uint64_t seed = 1;
+  Imath::V2i size{640, 480};
+  std::vector<std::string> objects;
+  std::optional<float> exposure_stops;
+  bool indirect_only = false;
+};
+
+View choose_view(const RenderOptions& options, const Scene& scene, const Intersector& intersector) {
+  const int width = options.size.x;
+  const int height = options.size.y;
+  if (!options.camera.empty()) return make_view(options.scene, find_camera(scene, options.camera), width, height);
+  if (!scene.cameras.empty()) return make_view(options.scene, scene.cameras.front(), width, height);
+  const Camera framing = framing_camera(intersector.center(), intersector.radius_m(), float(width) / float(height));
+  return make_view(options.scene, framing, width, height);
+}
+
+Film render(const RenderOptions& options, const RenderMethod& method, const SceneInput& input,
+            const std::vector<bool>& is_object, const CommonOptions& common) {
+  const View view = choose_view(options, input.scene, *input.intersector);
+  if (input.lights->empty()) print_note(common, fmt::format("warning: nothing in {} emits light", options.scene));
+  RenderParams params;
+  params.samples = int_count("--samples", options.samples, 1);
+  params.seed = options.seed;
+  params.threads = thread_count(common);
+  Progress progress(common, "rendering", "samples");
+  const std::uint64_t total = options.samples * std::uint64_t(view.width) * std::uint64_t(view.height);
+  params.progress = [&](double fraction) { progress.update(std::uint64_t(fraction * double(total)), total); };
+  return method.render({input, view, params, is_object, options.indirect_only, common});
+}
+
+Metadata describe(const RenderOptions& options, const RenderMethod& method, const SceneInput& input) {
+  Metadata m = input.origin;
+  m["version"] = std::string(IVORY_VERSION);
+  m["method"] = options.method;
+  m["samples"] = std::int64_t(options.samples);
+  m["seed"] = std::int64_t(options.seed);
+  m["light"] = std::string(options.indirect_only ? "indirect" : "all");
+  m["units"] = std::string("nits");
+  if (!options.objects.empty()) m["objects"] = fmt::format("{}", fmt::join(options.objects, " "));
+  if (!options.camera.empty()) m["camera"] = options.camera;
+  if (!options.sphere_lights.empty())
+    m["sphere_lights"] = fmt::format("{}", fmt::join(options.sphere_light_texts, " "));
+  method.describe(m);
+  return m;
+}
+
+// "direct, gather" for "--grid".
+std::map<std::string, std::string> readers_of_options(const std::vector<RenderMethod>& methods) {
+  std::map<std::string, std::string> readers;
+  for (const RenderMethod& method : methods) {
+    for (const std::string& option : method.options)
+      readers[option] += (readers[option].empty() ? "" : ", ") + method.name;
+  }
+  return readers;
+}
+
+// Scripts run one line with several methods, so options of another method are no error; but said.
+void note_ignored(const CLI::App& command, const RenderOptions& options, const std::vector<RenderMethod>& methods,
+                  const CommonOptions& common) {
+  const auto chosen = std::find_if(methods.begin(), methods.end(),
+                                   [&](const RenderMethod& method) { return method.name == options.method; });
+  for (const auto& [option, names] : readers_of_options(methods)) {
+    const bool read = std::find(chosen->options.begin(), chosen->options.end(), option) != chosen->options.end();
+    if (!read && command.get_option(option)->count() > 0)
+      print_note(common, fmt::format("note: {} is ignored, it serves --method {}", option, names));
+  }
+  if (options.exposure_stops && std::all_of(options.outputs.begin(), options.outputs.end(), is_linear_image))
+    print_note(common, "note: --exposure is ignored, it serves tone-mapped pictures (.png, .jpg)");
+}
+
+void run_render(const RenderOptions& options, const RenderMethod& method, const CommonOptions& common) {
+  if (method.uses_objects && options.objects.empty())
+    throw UsageError("--method " + options.method + " needs --object FILE.glb@X,Y,Z or a node of the scene");
+  if (method.uses_objects && options.indirect_only)
+    throw UsageError("--method " + options.method + " cannot leave out direct light: --indirect-only serves others");
+  if (method.needs_environment && options.environment.path.empty())
+    throw UsageError("--method " + options.method + " lights by an environment: give --env");
+  if (method.direct_only && options.indirect_only)
+    throw UsageError("--method " + options.method + " renders direct light: --indirect-only leaves nothing");
+  int_count("--samples", options.samples, 1);
+  if (method.check) method.check();
+  std::set<std::filesystem::path> files;
+  for (const std::string& output : options.outputs) {
+    check_output(output, common);
+    check_image_name(output);
+    if (!files.insert(std::filesystem::weakly_canonical(std::filesystem::absolute(output))).second)
+      throw UsageError("--output: " + output + " is given twice");
+  }
+  std::vector<bool> is_object;
+  const auto input = load_scene_input(options.scene, options.environment, common, [&](Scene& scene) {
+    is_object = place_objects(scene, options.objects, common);
+    for (const SphereLight& light : options.sphere_lights) add_sphere_light(scene, light, "--sphere-light");
+    if (method.extend) method.extend(scene);
+    is_object.resize(scene.instances.size(), false);
+  });
+
+  const auto start = std::chrono::steady_clock::now();
+  const Film film = render(options, method, *input, is_object, common);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  const Metadata metadata = describe(options, method, *input);
+  const bool any_display = !std::all_of(options.outputs.begin(), options.outputs.end(), is_linear_image);
+  const float exposure = options.exposure_stops.value_or(any_display ? auto_exposure(film) : 0);
+  for (const std::string& output : options.outputs) {
+    Metadata own = metadata;
+    if (!is_linear_image(output)) own["exposure_stops"] = double(exposure);
+    write_image(output, film, exposure, own, common.force);
+  }
+
+  double mean[3] = {0, 0, 0};
+  for (const Rgb& pixel : film.pixels) {
+    for (int c = 0; c < 3; ++c) mean[c] += double(pixel[c]) / double(film.pixels.size());
+  }
+  nlohmann::ordered_json result;
+  result["output"] = options.outputs.front();
+  result["outputs"] = options.outputs;
+  result["width"] = film.width;
+  result["height"] = film.height;
+  for (const auto& [key, value] : metadata) std::visit([&, &k = key](const auto& v) { result[k] = v; }, value);
+  if (any_display) result["exposure_stops"] = exposure;
+  result["mean_radiance_nits"] = {mean[0], mean[1], mean[2]};
+  result["seconds"] = seconds;
+  result["render_seconds"] = film.render_seconds;
+  result["warnings"] = input->warnings;
+  std::string human = fmt::format("{}: {} x {}, {}, {} samples a pixel, mean {:.4g} {:.4g} {:.4g} nits, {:.2f} s\n",
+                                  fmt::join(options.outputs, ", "), film.width, film.height, options.method,
+                                  options.samples, mean[0], mean[1], mean[2], seconds);
+  if (any_display) human += fmt::format("exposure {:+.2f} stops\n", exposure);
+  print_result(common, result, human);
+}
+
+}  // namespace
+
+int int_count(const char* option, std::uint64_t count, std::uint64_t least) {
+  if (count < least || count > std::uint64_t(std::numeric_limits<int>::max()))
+    throw UsageError(fmt::format("{}: {} is not from {} to {}", option, count, least, std::numeric_limits<int>::max()));
+  return int(count);
+}
+
+void add_render_command(CLI::App& app, CommonOptions& common) {
+  auto* command = app.add_subcommand("render", "Render a picture by path tracing or from baked assets");
+  auto options = std::make_shared<RenderOptions>();
+  command->add_option("scene", options->scene, "Scene: .gltf or .glb, metres, +Y up")->required()->type_name("SCENE");
+  command
+      ->add_option("-o,--output", options->outputs,
+                   "Picture to write: .exr, .hdr, .tif keep linear nits; .png, .jpg are tone-mapped; may be repeated")
+      ->allow_extra_args(false)
+      ->required()
+      ->type_name("IMAGE");
+  CLI::Option* method_option = command->add_option("--method", options->method)->capture_default_str();
+  add_count_option(*command, "--samples", options->samples, "Samples a pixel");
+  add_count_option(*command, "--seed", options->seed, "Seed of the random numbers");
+  add_image_size_option(*command, "--size", options->size, "Size of the picture in pixels");
+  command
+      ->add_option("--camera", options->camera,
+                   "The scene's camera, by name or index [the first; a framing view where it has none]")
+      ->type_name("NAME|INDEX");
+  add_environment_options(*command, options->environment);
+  command
+      ->add_option("--object", options->objects,
+                   "An object that moves: a model placed in the scene, or a node of the scene; may be repeated.\n"
+                   "Methods other than cubemap light it like all else")
+      ->allow_extra_args(false)
+      ->type_name("FILE.glb[@X,Y,Z]|NODE");
+  command->add_flag("--indirect-only", options->indirect_only,
+                    "Only light with at least one surface between its source and the first surface seen");
+  command
+      ->add_option_function<float>(
+          "--exposure", [options](float stops) { options->exposure_stops = stops; },
+          "Stops for tone-mapped pictures [mean luminance to middle grey, highlights to white]")
+      ->check(within(-100.0, 100.0), "in [-100 - 100]")
+      ->type_name("STOPS");
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--sphere-light",
+          [options](const std::vector<std::string>& texts) {
+            for (const std::string& text : texts) {
+              const std::vector<float> v = parse_floats("--sphere-light", text, 7, "X,Y,Z,RADIUS,R,G,B");
+              options->sphere_lights.push_back({V3f(v[0], v[1], v[2]), v[3], Rgb(v[4], v[5], v[6])});
+              options->sphere_light_texts.push_back(text);
+            }
+          },
+          "Adds a ball of light: place and radius in metres, radiance in nits; may be repeated")
+      ->allow_extra_args(false)
+      ->type_name("X,Y,Z,RADIUS,R,G,B");
+  auto methods = std::make_shared<std::vector<RenderMethod>>();
+  methods->push_back(make_path_method(*command));
+  const auto grid = add_grid_options(*command, "Baked grid of indirect light");
+  const auto gather = add_gather_option(*command);
+  for (RenderMethod& method : make_grid_methods(grid, gather)) methods->push_back(std::move(method));
+  methods->push_back(make_photonmap_method(*command, gather));
+  methods->push_back(make_cubemap_method(*command, grid));
+  methods->push_back(make_lobes_method(*command));
+  methods->push_back(make_fiv_method(*command));
+  std::vector<std::string> names;
+  std::string summary;
+  for (const RenderMethod& method : *methods) {
+    names.push_back(method.name);
+    summary += (summary.empty() ? "" : "\n") + method.name + ": " + method.summary;
+  }
+  method_option->description(summary)->check(CLI::IsMember(names));
+  for (const auto& [option, readers] : readers_of_options(*methods))
+    command->get_option(option)->group("For --method " + readers);
+  command->footer(
+      "The same command gives the same bytes with any --threads.\n"
+      "--json: render_seconds is the wall time of the picture's rays and shading alone, the same for all methods;\n"
+      "seconds adds what the method loads or makes for the picture: the grid, the photon map, tables of lobes, sphere\n"
+      "sets, occluders, cube maps. Neither counts loading the scene and writing the picture.\n"
+      "Examples:\n"
+      "  ivory render room.glb -o room.exr -o room.png --samples 256\n"
+      "  ivory render room.glb -o room.png --method gather --grid room.vdb --samples 16 --gather 16");
+  set_action(*command, common, Output::file, [command, options, methods, &common] {
+    note_ignored(*command, *options, *methods, common);
+    const auto chosen = std::find_if(methods->begin(), methods->end(),
+                                     [&](const RenderMethod& method) { return method.name == options->method; });
+    run_render(*options, *chosen, common);
+  });
+}
+
+}  // namespace ivory

@@ -1,0 +1,182 @@
+#include "tools/view/draw/frame.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "grid/base/error.h"
+#include "tools/view/draw/debug.h"
+
+namespace ivory {
+
+namespace {
+
+M44f moved(const M44f& to_world, const V3f& by) {
+  M44f out = to_world;
+  for (unsigned c = 0; c < 3; ++c) out[3][c] += by[c];
+  return out;
+}
+
+RuntimeCamera runtime_camera(const ViewSession& session, const ViewTarget& target, const V2f& shift) {
+  const ViewWorld& world = session.world;
+  const Camera& camera = world.camera.camera;
+  // Objects may have left the sphere that they were measured in.
+  float radius_m = world.radius_m;
+  for (const ViewObject& object : world.objects) {
+    const V3f center = object.intersector->center() + place(object, world.time_s);
+    radius_m = std::max(radius_m, (center - world.center_m).length() + object.intersector->radius_m());
+  }
+  const ViewMatrices m =
+      view_matrices(world.scene().name, camera, target.width(), target.height(), shift, world.center_m, radius_m);
+  RuntimeCamera out;
+  out.clip_from_world = m.world_to_eye * m.projection;
+  out.position_m = eye(world.camera);
+  out.perspective = camera.perspective;
+  out.forward = forward(world.camera);
+  return out;
+}
+
+void require_inputs(const ViewSession& session, const ViewTarget& target) {
+  const DebugView view = session.settings.debug;
+  if (const std::string lack = lacks(session, view); !lack.empty())
+    throw UsageError(fmt::format("debug view {}: {}", name(view), lack));
+  if (view != DebugView::difference) return;
+  const Film& film = session.reference->film;
+  if (film.width != target.width() || film.height != target.height())
+    throw UsageError(fmt::format("debug view difference: the reference is {} x {}, the picture {} x {}", film.width,
+                                 film.height, target.width(), target.height()));
+}
+// The value that nearly all of the picture stays under, so that a few outliers do not make the rest dark.
+float greatest_value(const Film& film) {
+  std::vector<float> values;
+  values.reserve(film.pixels.size());
+  for (const Rgb& pixel : film.pixels) {
+    if (const float value = std::abs(luminance(pixel)); value > 0) values.push_back(value);
+  }
+  if (values.empty()) return 1;
+  const auto at = values.begin() + std::ptrdiff_t((values.size() - 1) * 99 / 100);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+// Differences of display values where the reference has such.
+Film difference(const ViewSession& session, const Film& mean) {
+  Film out = mean;
+  if (session.reference->is_display) return out;
+  for (std::size_t i = 0; i < out.pixels.size(); ++i) out.pixels[i] -= session.reference->film.pixels[i];
+  return out;
+}
+
+}  // namespace
+
+// The R2 sequence (Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018), from the middle on.
+V2f pixel_point(int i) {
+  const float x = 0.5F + 0.7548777F * float(i);
+  const float y = 0.5F + 0.5698403F * float(i);
+  return {x - std::floor(x) - 0.5F, y - std::floor(y) - 0.5F};
+}
+
+void ViewFrame::update_shadows(ViewSession& session) {
+  std::vector<V3f> places;
+  for (const ViewObject& object : session.world.objects) places.push_back(place(object, session.world.time_s));
+  if (places == shadows_of_ && shadow_size_ == session.settings.shadow_size) return;
+  std::vector<ShadowCaster> casters;
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const GpuModel& model = session.models[i];
+    for (const ModelPart& part : model.parts) {
+      casters.push_back({&model.meshes[part.mesh], moved(part.to_world, places[i]), &model.materials[part.material]});
+    }
+  }
+  ShadowParams params;
+  params.size = session.settings.shadow_size;
+  shadows_.update(session.direct, casters, params);
+  // Said again where it changes, not in every frame of what moves.
+  if (const int without = shadows_.unshadowed(); without != unshadowed_) {
+    unshadowed_ = without;
+    if (without > 0)
+      session.notes.push_back(
+          fmt::format("note: {} of the {} lights cast no shadow: shadow maps have {} layers, of "
+                      "which a point light takes six",
+                      without, session.direct.size(), max_shadow_layers));
+  }
+  shadows_of_ = std::move(places);
+  shadow_size_ = session.settings.shadow_size;
+}
+
+void ViewFrame::draw_point(ViewSession& session, ViewTarget& target, const V2f& shift) {
+  require_inputs(session, target);
+  place_objects_now(session);
+  const ViewSettings& settings = session.settings;
+  const std::string output = surface_debug_shader(settings.debug);
+  const bool lit = settings.direct && output.empty();
+  if (lit) update_shadows(session);
+
+  std::vector<AmbientSource> sources;
+  for (std::size_t i = 0; i < session.world.objects.size(); ++i) {
+    const bool from_grid = !output.empty() && needs_grid(settings.debug);
+    sources.push_back(from_grid ? grid_source(*session.debug_grid, settings) : ambient_source(session, i));
+  }
+  std::vector<DrawItem> items;
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const GpuModel& model = session.models[i];
+    const V3f at = place(session.world.objects[i], session.world.time_s);
+    for (const ModelPart& part : model.parts)
+      items.push_back(
+          {&model.meshes[part.mesh], &model.materials[part.material], moved(part.to_world, at), &sources[i]});
+  }
+  Frame frame;
+  frame.camera = runtime_camera(session, target, shift);
+  frame.items = items;
+  frame.lights = &shadows_;
+  frame.direct = lit;
+  frame.output_shader = output;
+  if (lit && session.sky) frame.sky = &*session.sky;
+  target.begin();
+  renderer_.draw(frame);
+  if (needs_grid(settings.debug) && output.empty()) overlay_.draw(*session.debug_grid->grid, frame.camera, settings);
+  target.add();
+}
+
+bool ViewFrame::is_false_color(const ViewSettings& settings) {
+  return is_number(settings.debug) ||
+         (settings.false_color && (settings.debug == DebugView::irradiance || settings.debug == DebugView::stored));
+}
+
+ColorRange ViewFrame::color_range(const ViewSession& session, const ViewTarget& target) const {
+  const ViewSettings& settings = session.settings;
+  ColorRange range;
+  range.is_signed = is_signed(settings.debug);
+  if (settings.range) {
+    range.greatest = *settings.range;
+  } else if (settings.debug != DebugView::kept && settings.debug != DebugView::bracket) {
+    const Film mean = target.read_mean();
+    if (settings.debug == DebugView::difference && session.reference->is_display)
+      range.greatest = 0.1F;
+    else
+      range.greatest = greatest_value(settings.debug == DebugView::difference ? difference(session, mean) : mean);
+  }
+  range.least = range.is_signed ? -range.greatest : 0;
+  return range;
+}
+
+void ViewFrame::draw_display(const ViewSession& session, ViewTarget& target) {
+  const ViewSettings& settings = session.settings;
+  ToneParams tone = settings.tone;
+  if (is_false_color(settings)) {
+    const ColorRange range = color_range(session, target);
+    target.begin_display();
+    if (settings.debug == DebugView::difference)
+      display_.draw_difference(target.mean(), session.reference->texture, session.reference->is_display, tone, range);
+    else
+      display_.draw_false_color(target.mean(), range);
+    return;
+  }
+  // E on a white surface leaves as E / pi.
+  if (settings.debug == DebugView::irradiance || settings.debug == DebugView::stored)
+    tone.exposure_stops -= std::log2(pi);
+  target.begin_display();
+  display_.draw_tone_mapped(target.mean(), tone);
+}
+
+}  // namespace ivory

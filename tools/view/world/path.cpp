@@ -1,0 +1,124 @@
+#include "tools/view/world/path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "grid/base/error.h"
+#include "tools/cli/common.h"
+
+namespace ivory {
+
+namespace {
+
+constexpr std::size_t max_keys = 100'000;
+constexpr std::size_t max_line = 200;
+
+UsageError bad_path(const std::string& text, const std::string& cause) {
+  return UsageError(fmt::format("--path: '{}' {}; it is circle:RADIUS[,SECONDS], line:X,Y,Z[,SECONDS] or keys:FILE.csv",
+                                text, cause));
+}
+
+// `least` numbers, or one more that is the period.
+std::vector<float> numbers(const std::string& text, const std::string& values, std::size_t least) {
+  const auto commas = std::size_t(std::count(values.begin(), values.end(), ','));
+  const std::size_t count = commas == least ? least + 1 : least;
+  std::vector<float> v = parse_floats("--path", values, count, "circle:RADIUS[,SECONDS] or line:X,Y,Z[,SECONDS]");
+  if (count > least && !(v.back() > 0)) throw bad_path(text, "has a period that is not positive");
+  return v;
+}
+
+Keyframe parse_key(const std::string& file, const std::string& line, std::size_t number) {
+  const std::string where = fmt::format("line {}", number);
+  std::vector<float> v;
+  try {
+    v = parse_floats(where, line, 4, "t,x,y,z");
+  } catch (const UsageError& error) {
+    throw Error(file, error.what(), "write seconds and metres: 0.5,1,0,0");
+  }
+  return {double(v[0]), V3f(v[1], v[2], v[3])};
+}
+
+std::vector<Keyframe> read_keys(const std::string& file) {
+  if (std::filesystem::is_directory(file)) throw Error(file, "is a folder", "name a file of lines t,x,y,z");
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw Error(file, "cannot be read", "name a file of lines t,x,y,z");
+  std::vector<Keyframe> keys;
+  std::string line(max_line, '\0');
+  for (std::size_t number = 1; in.getline(line.data(), std::streamsize(max_line)) || !in.eof(); ++number) {
+    // getline() fails on a line that does not fit: no such file is a list of keyframes.
+    if (in.fail()) throw Error(file, fmt::format("line {} is too long", number), "write lines t,x,y,z");
+    std::string text(line.c_str());
+    while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.pop_back();
+    if (text.empty() || text.front() == '#' || text == "t,x,y,z") continue;
+    keys.push_back(parse_key(file, text, number));
+    if (keys.back().time_s < 0 || (keys.size() > 1 && keys.back().time_s <= keys[keys.size() - 2].time_s))
+      throw Error(file, fmt::format("the time of line {} is not later than the one before", number),
+                  "put keyframes in order, from 0 s");
+    if (keys.size() > max_keys) throw Error(file, "has more than 100000 keyframes", "leave out some");
+  }
+  if (keys.empty() || keys.back().time_s == 0)
+    throw Error(file, "holds no keyframe after 0 s", "write lines t,x,y,z: seconds and metres");
+  return keys;
+}
+
+V3f between_keys(const std::vector<Keyframe>& keys, double time_s) {
+  const auto after =
+      std::upper_bound(keys.begin(), keys.end(), time_s, [](double t, const Keyframe& key) { return t < key.time_s; });
+  if (after == keys.begin()) return keys.front().offset_m;
+  if (after == keys.end()) return keys.back().offset_m;
+  const Keyframe& before = after[-1];
+  const auto share = float((time_s - before.time_s) / (after->time_s - before.time_s));
+  return before.offset_m * (1 - share) + after->offset_m * share;
+}
+
+}  // namespace
+
+ObjectPath parse_path(const std::string& text) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string::npos) throw bad_path(text, "names no kind of path");
+  const std::string kind = text.substr(0, colon);
+  const std::string values = text.substr(colon + 1);
+  ObjectPath path;
+  if (kind == "circle") {
+    const std::vector<float> v = numbers(text, values, 1);
+    path.kind = ObjectPath::Kind::circle;
+    path.radius_m = v[0];
+    if (v.size() > 1) path.period_s = double(v[1]);
+  } else if (kind == "line") {
+    const std::vector<float> v = numbers(text, values, 3);
+    path.kind = ObjectPath::Kind::line;
+    path.there_m = V3f(v[0], v[1], v[2]);
+    if (v.size() > 3) path.period_s = double(v[3]);
+  } else if (kind == "keys") {
+    path.kind = ObjectPath::Kind::keys;
+    path.keys = read_keys(values);
+    path.period_s = path.keys.back().time_s;
+  } else {
+    throw bad_path(text, "names no kind of path");
+  }
+  return path;
+}
+
+V3f offset_at(const ObjectPath& path, double time_s) {
+  const double within = std::fmod(time_s, path.period_s);
+  const double turn = 2 * double(pi) * within / path.period_s;
+  switch (path.kind) {
+    case ObjectPath::Kind::none:
+      break;
+    case ObjectPath::Kind::circle:
+      // Starts at the object's own place, so that what stands free on the command line does so at first.
+      return V3f(float(std::cos(turn)) - 1, 0, float(-std::sin(turn))) * path.radius_m;
+    case ObjectPath::Kind::line:
+      return path.there_m * float(0.5 - 0.5 * std::cos(turn));
+    case ObjectPath::Kind::keys:
+      return between_keys(path.keys, within);
+  }
+  return {0, 0, 0};
+}
+
+}  // namespace ivory
