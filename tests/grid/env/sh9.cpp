@@ -1,0 +1,234 @@
+// The nine-coefficient polynomial: its matrices, bounds, windows, and what other engines make of it.
+#include "grid/env/sh9.h"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "grid/base/error.h"
+#include "grid/env/difmap.h"
+
+namespace ivory {
+namespace {
+
+constexpr double pi_d = 3.14159265358979323846;
+
+V3d random_direction(std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  return V3d(normal(random), normal(random), normal(random)).normalized();
+}
+
+// A directional light that gives irradiance `e` on a surface facing w: L = e delta(w).
+Sh9 directional(const V3d& w, const V3d& e) {
+  RadianceMoments m;
+  m.total = e;
+  m.first = {e * w.x, e * w.y, e * w.z};
+  m.second = {e * (w.x * w.x), e * (w.y * w.y), e * (w.z * w.z), e * (w.x * w.y), e * (w.y * w.z), e * (w.x * w.z)};
+  return sh9_from_moments(m);
+}
+
+// What the first three bands of a clamped cosine leave of a directional light: 1/4 + x/2 + 5/32 (3 x^2 - 1).
+double three_bands(double x) { return 0.25 + 0.5 * x + 5.0 / 32 * (3 * x * x - 1); }
+
+TEST(Sh9, DirectionalLightGivesTheClosedForm) {
+  std::mt19937 random(1);
+  for (int i = 0; i < 1000; ++i) {
+    const V3d w = random_direction(random);
+    const V3d n = random_direction(random);
+    const Sh9 sh = directional(w, V3d(1, 2, 10));
+    const V3d e = irradiance_polynomial(sh, n);
+    EXPECT_NEAR(e.x, three_bands(n.dot(w)), 1e-12);
+    EXPECT_NEAR(e.z, 10 * three_bands(n.dot(w)), 1e-11);
+    const Rgb shader = irradiance(to_float(sh9_matrices(sh)), V3f(n));
+    EXPECT_NEAR(shader.y, std::max(0.0, 2 * three_bands(n.dot(w))), 2e-6);  // some twenty float roundings
+  }
+}
+
+// Eq. 12's constants as printed there.
+TEST(Sh9, MatrixIsThatOfThePaper) {
+  for (std::size_t i = 0; i < 9; ++i) {
+    Sh9 sh;
+    sh.coefficients[i] = V3d(1, 0, 0);
+    const auto m = sh9_matrices(sh)[0];
+    for (std::size_t r = 0; r < 4; ++r)
+      for (std::size_t c = 0; c < 4; ++c) EXPECT_EQ(m[4 * r + c], m[4 * c + r]);
+    const std::array<std::array<double, 3>, 9> expected{{{15, 15, 0.886227},
+                                                         {7, 13, 0.511664},
+                                                         {11, 14, 0.511664},
+                                                         {3, 12, 0.511664},
+                                                         {1, 4, 0.429043},
+                                                         {6, 9, 0.429043},
+                                                         {10, 10, 0.743125},
+                                                         {2, 8, 0.429043},
+                                                         {0, 0, 0.429043}}};
+    EXPECT_NEAR(m[std::size_t(expected[i][0])], expected[i][2], 2e-6) << i;  // rounded from rounded factors
+    EXPECT_NEAR(m[std::size_t(expected[i][1])], expected[i][2], 2e-6) << i;  // rounded from rounded factors
+    EXPECT_NEAR(m[15], i == 0 ? 0.886227 : (i == 6 ? -0.247708 : 0), 1e-6);
+    EXPECT_NEAR(m[5], i == 8 ? -0.429043 : 0, 1e-6);
+    EXPECT_EQ(sh9_matrices(sh)[1][std::size_t(expected[i][0])], 0);
+  }
+}
+
+TEST(Sh9, LeastIrradianceIsTheLeastOfAllNormals) {
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 60; ++i) {
+    Sh9 sh;
+    for (std::size_t k = 0; k < 9; ++k) {
+      // Every tenth has no linear part: the degenerate case of the minimisation.
+      if (i % 10 == 0 && k >= 1 && k <= 3) continue;
+      if (i % 10 == 5 && k >= 4) continue;
+      sh.coefficients[k] = V3d(normal(random), normal(random), normal(random));
+    }
+    const V3d least = minimum_irradiance(sh);
+    double sampled = 1e9;
+    for (int face = 0; face < cube_faces; ++face)
+      for (int row = 0; row < 64; ++row)
+        for (int column = 0; column < 64; ++column)
+          sampled = std::min(sampled, irradiance_polynomial(sh, V3d(cube_texel_direction(64, face, row, column))).y);
+    EXPECT_LE(least.y, sampled + 1e-6);  // directions are rounded to floats
+    // Nearest sample within 1/64 rad of the minimum, second derivatives below some 10: 10/64^2/2.
+    EXPECT_NEAR(least.y, sampled, 2e-3) << i;
+  }
+  EXPECT_NEAR(minimum_irradiance(directional(V3d(0.6, 0, 0.8), V3d(1, 1, 1))).x, three_bands(-0.5333333333), 1e-9);
+}
+
+TEST(Sh9, WindowIsTheLeastThatLeavesNoNegativeLobe) {
+  std::mt19937 random(3);
+  for (int i = 0; i < 10; ++i) {
+    const Sh9 sh = directional(random_direction(random), V3d(1, 1, 1));
+    const Sh9Window window = least_window(sh);
+    EXPECT_GE(minimum_irradiance(windowed(sh, window)).x, -1e-9);
+    EXPECT_DOUBLE_EQ(windowed(sh, window).coefficients[0].x, sh.coefficients[0].x);
+    // 1/4 + a x/2 + b 5/32 (3 x^2 - 1) touches zero, within [-1, 1], where (a/2)^2 = 4 (15/32 b) (1/4 - 5/32 b). The
+    // change in mean square over x: (1 - a)^2 / 12 + (1 - b)^2 (5/32)^2 4/5. Its least, by brute force.
+    double least = 1e9;
+    Sh9Window expected;
+    for (int k = 2600; k <= 10000; ++k) {
+      const double b = k * 1e-4;
+      const double a = std::min(1.0, 2 * std::sqrt(4 * 15.0 / 32 * b * (0.25 - 5.0 / 32 * b)));
+      const double change = (1 - a) * (1 - a) / 12 + (1 - b) * (1 - b) * 25 / 1024 * 4 / 5;
+      if (change < least) {
+        least = change;
+        expected = {a, b};
+      }
+    }
+    EXPECT_NEAR(window.band1, expected.band1, 1e-3);
+    EXPECT_NEAR(window.band2, expected.band2, 1e-3);
+  }
+  // Several lights: no neighbour of the answer is both good and nearer.
+  for (int i = 0; i < 10; ++i) {
+    Sh9 sh;
+    for (int light = 0; light < 3; ++light) {
+      const Sh9 one = directional(random_direction(random), V3d(1, 0.1 * light, 2));
+      for (std::size_t k = 0; k < 9; ++k) sh.coefficients[k] += one.coefficients[k];
+    }
+    const Sh9Window window = least_window(sh);
+    const V3d least = minimum_irradiance(windowed(sh, window));
+    EXPECT_GE(std::min({least.x, least.y, least.z}), -1e-9);
+    if (window.band1 < 1) {
+      const V3d more = minimum_irradiance(windowed(sh, {window.band1 * 1.001, window.band2}));
+      EXPECT_LT(std::min({more.x, more.y, more.z}), 0);
+    }
+  }
+  Sh9 uniform;
+  uniform.coefficients[0] = V3d(1, 1, 1);
+  EXPECT_EQ(least_window(uniform).band1, 1);
+  EXPECT_EQ(least_window(Sh9{}).band2, 1);
+  EXPECT_NEAR(hann_window(4).band1, 0.5 + std::sqrt(0.125), 1e-12);
+  EXPECT_NEAR(hann_window(4).band2, 0.5, 1e-12);
+}
+
+TEST(Sh9, ErrorOfOneDirectionalLightIsThePapersBound) {
+  // Truth: the clamped cosine. Worst at the horizon: 1/4 - 5/32 = 9.4 % of the light.
+  const V3d w = V3d(1, 2, 3).normalized();
+  CubeMap truth{64, std::vector<Rgb>(6 * 64 * 64)};
+  for (int face = 0; face < cube_faces; ++face)
+    for (int row = 0; row < 64; ++row)
+      for (int column = 0; column < 64; ++column) {
+        const double x = V3d(cube_texel_direction(64, face, row, column)).dot(w);
+        truth.texels[cube_index(64, face, row, column)] = Rgb(float(std::max(0.0, x)), 0, 0);
+      }
+  const Sh9 sh = directional(w, V3d(1, 0, 0));
+  const Sh9Error error = sh9_error(sh, truth, V3d(1, 0, 0));
+  // Nearest texel centre to the horizon within 1/64/2 rad, kernel's slope there 1/2.
+  EXPECT_NEAR(error.maximum, 0.09375, 0.005);
+  // Average of |max(0, x) - max(0, three_bands(x))| over the sphere: midpoint sum over x.
+  double average = 0;
+  for (int i = 0; i < 100000; ++i) {
+    const double x = (i + 0.5) / 50000 - 1;
+    average += std::abs(std::max(0.0, x) - std::max(0.0, three_bands(x))) / 100000;
+  }
+  EXPECT_NEAR(error.average, average, 1e-4);
+  EXPECT_NEAR(error.average_of_mean_e(), 4 * average, 4e-4);
+}
+
+TEST(Sh9, TruncationKeepsLowerBands) {
+  const Sh9 sh = directional(V3d(0.6, 0.8, 0), V3d(1, 1, 1));
+  for (int order = 0; order <= 2; ++order) {
+    const Sh9 cut = truncated(sh, order);
+    for (std::size_t i = 0; i < 9; ++i)
+      EXPECT_EQ(cut.coefficients[i].x, i < std::size_t((order + 1) * (order + 1)) ? sh.coefficients[i].x : 0);
+  }
+}
+
+// Each engine's own formula, from its documentation, on what is exported for it.
+class Dialects : public testing::Test {
+ protected:
+  template <typename Formula>
+  void expect_irradiance(Sh9Dialect dialect, double scale, Formula formula) {
+    std::mt19937 random(4);
+    for (int i = 0; i < 200; ++i) {
+      const V3d w = random_direction(random);
+      const V3d n = random_direction(random);
+      const auto c = in_dialect(directional(w, V3d(7, 8, 9)), dialect);
+      EXPECT_NEAR(scale * formula(c, n).y, 8 * three_bands(n.dot(w)), 1e-5);  // constants printed to six digits
+    }
+  }
+};
+
+// Filament's IndirectLight: coefficients hold the reconstruction factors and the 1/pi of Lambert's BRDF; the shader
+// sums them times bare polynomials.
+TEST_F(Dialects, Filament) {
+  expect_irradiance(Sh9Dialect::filament, pi_d, [](const std::array<V3d, 9>& sh, const V3d& n) {
+    return sh[0] + sh[1] * n.y + sh[2] * n.z + sh[3] * n.x + sh[4] * (n.y * n.x) + sh[5] * (n.y * n.z) +
+           sh[6] * (3 * n.z * n.z - 1) + sh[7] * (n.z * n.x) + sh[8] * (n.x * n.x - n.y * n.y);
+  });
+  // Its table of factors: 0.282095, 0.325735, 0.273137, 0.078848, 0.136569.
+  Sh9 ones;
+  ones.coefficients.fill(V3d(1, 1, 1));
+  const auto c = in_dialect(ones, Sh9Dialect::filament);
+  const std::array<double, 9> table{0.282095, 0.325735, 0.325735, 0.325735, 0.273137,
+                                    0.273137, 0.078848, 0.273137, 0.136569};
+  for (std::size_t i = 0; i < 9; ++i) EXPECT_NEAR(c[i].x, table[i], 1e-6);
+}
+
+// three.js' SphericalHarmonics3.getIrradianceAt() on the nine vectors of LightProbe.sh.
+TEST_F(Dialects, ThreeJs) {
+  expect_irradiance(Sh9Dialect::three_js, 1, [](const std::array<V3d, 9>& sh, const V3d& n) {
+    V3d e = sh[0] * 0.886227;
+    e += (sh[1] * n.y + sh[2] * n.z + sh[3] * n.x) * (2 * 0.511664);
+    e += (sh[4] * (n.x * n.y) + sh[5] * (n.y * n.z) + sh[7] * (n.x * n.z)) * (2 * 0.429043);
+    return e + sh[6] * (0.743125 * n.z * n.z - 0.247708) + sh[8] * (0.429043 * (n.x * n.x - n.y * n.y));
+  });
+}
+
+// EXT_lights_image_based: coefficients of irradiance in the basis of the paper it refers to (eq. 3 and 4).
+TEST_F(Dialects, ExtLightsImageBased) {
+  expect_irradiance(Sh9Dialect::ext_lights_image_based, 1, [](const std::array<V3d, 9>& sh, const V3d& n) {
+    return sh[0] * 0.282095 + (sh[1] * n.y + sh[2] * n.z + sh[3] * n.x) * 0.488603 +
+           (sh[4] * (n.x * n.y) + sh[5] * (n.y * n.z) + sh[7] * (n.x * n.z)) * 1.092548 +
+           sh[6] * (0.315392 * (3 * n.z * n.z - 1)) + sh[8] * (0.546274 * (n.x * n.x - n.y * n.y));
+  });
+}
+
+TEST_F(Dialects, Names) {
+  for (const Sh9Dialect dialect :
+       {Sh9Dialect::ivory, Sh9Dialect::filament, Sh9Dialect::three_js, Sh9Dialect::ext_lights_image_based})
+    EXPECT_EQ(sh9_dialect_from_name(name(dialect)), dialect);
+  EXPECT_THROW(sh9_dialect_from_name("unity"), UsageError);
+}
+
+}  // namespace
+}  // namespace ivory

@@ -1,0 +1,124 @@
+// The compact guard's packing and the footprints it restricts.
+#include "grid/field/guard.h"
+
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace ivory {
+namespace {
+
+TEST(GuardPlane, PacksWithinItsSteps) {
+  std::mt19937 generator(1);
+  std::normal_distribution<float> normal;
+  std::uniform_real_distribution<float> distance(-1.9F, 1.9F);
+  for (int i = 0; i < 10'000; ++i) {
+    const GuardPlane plane{V3f(normal(generator), normal(generator), normal(generator)).normalized(),
+                           distance(generator)};
+    const std::uint32_t word = pack(plane);
+    ASSERT_NE(word, 0U);
+    const auto back = unpack(word);
+    ASSERT_TRUE(back);
+    // Half a step is 1/1023 an axis, so at most (1, 1, 2)/1023 on the octahedron, whose faces lie as near as
+    // 1/sqrt(3) to the centre: sqrt(6) sqrt(3) / 1023.
+    EXPECT_LT((back->normal - plane.normal).length(), 0.00415F);
+    EXPECT_NEAR(back->distance, plane.distance, 0.5F * 4 / 4094 + 1e-6F);
+  }
+  EXPECT_FALSE(unpack(0));
+}
+
+TEST(Guard, SeesWhatNoPlaneCutsOff) {
+  GuardRecord record;
+  EXPECT_LE(hidden_by(record, V3f(1, 1, 1)), 0);
+  record.words[0] = pack({V3f(1, 0, 0), 0.3F});
+  record.words[1] = pack({V3f(0, -1, 0), 0.5F});
+  EXPECT_LE(hidden_by(record, V3f(0.25F, 0, 0)), 0);
+  EXPECT_GT(hidden_by(record, V3f(0.35F, 0, 0)), 0);
+  EXPECT_GT(hidden_by(record, V3f(0, -0.6F, 0)), 0);
+  EXPECT_LE(hidden_by(record, V3f(0, 0.9F, 0)), 0);
+}
+
+IrradianceGrid small_grid() {
+  IrradianceGrid grid;
+  grid.frame.size = V3i(4, 4, 4);
+  grid.basis = Basis::ambient_cube;
+  grid.moments.assign(64 * 18, 0);
+  for (std::size_t v = 0; v < 64; ++v) std::fill_n(grid.moments.begin() + std::ptrdiff_t(v * 18), 18, float(v % 4));
+  grid.visible_fraction.assign(64, 1.0F);
+  grid.variance.assign(64, Rgb(0, 0, 0));
+  return grid;
+}
+
+TEST(Footprint, WeightsAddUpToOneAndReproduceLinearFields) {
+  const IrradianceGrid grid = small_grid();
+  for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::tricubic}) {
+    for (const float x : {1.0F, 1.25F, 1.7F, 2.0F}) {
+      const Footprint f = make_footprint(grid.frame, V3f(x, 1.5F, 1.2F), interpolation);
+      float sum = 0;
+      for (int i = 0; i < f.count; ++i) sum += f.weight[std::size_t(i)];
+      EXPECT_NEAR(sum, 1, 1e-6F);
+      // Both interpolations reproduce linear fields away from the border.
+      if (interpolation == Interpolation::trilinear || x < 2) {
+        EXPECT_NEAR(irradiance(grid, f, V3f(0, 1, 0), Reconstruction::optimal).x, x, 1e-5F);
+      }
+    }
+  }
+}
+
+TEST(Footprint, HiddenAndEmptyVerticesAreLeftOut) {
+  IrradianceGrid grid = small_grid();
+  const V3f p(1.5F, 1.5F, 1.5F);
+  Footprint f = make_footprint(grid.frame, p, Interpolation::trilinear);
+  std::uint64_t visible = 0;
+  for (int i = 0; i < f.count; ++i) {
+    if (f.vertex[std::size_t(i)] % 4 == 1) visible |= std::uint64_t(1) << unsigned(i);
+  }
+  restrict_footprint(grid, visible, f);
+  EXPECT_NEAR(irradiance(grid, f, V3f(0, 1, 0), Reconstruction::optimal).x, 1, 1e-6F);
+
+  // Nothing seen, nothing stored: said so, and the weights stay.
+  f = make_footprint(grid.frame, p, Interpolation::trilinear);
+  EXPECT_EQ(restrict_footprint(grid, 0, f), 0);
+  EXPECT_NEAR(irradiance(grid, f, V3f(0, 1, 0), Reconstruction::optimal).x, 1.5F, 1e-6F);
+  for (std::size_t v = 0; v < 64; ++v) {
+    if (v % 4 == 1) grid.visible_fraction[v] = 0;
+  }
+  EXPECT_NEAR(restrict_footprint(grid, ~std::uint64_t(0), f), 0.5F, 1e-6F);
+  EXPECT_NEAR(irradiance(grid, f, V3f(0, 1, 0), Reconstruction::optimal).x, 2, 1e-6F);
+}
+
+TEST(Footprint, BlendMixesBoth) {
+  const IrradianceGrid grid = small_grid();
+  const Footprint a = make_footprint(grid.frame, V3f(1, 1.5F, 1.5F), Interpolation::trilinear);
+  const Footprint b = make_footprint(grid.frame, V3f(1.5F, 1.5F, 1.5F), Interpolation::tricubic);
+  EXPECT_NEAR(irradiance(grid, blend(a, b, 0.25F), V3f(0, 1, 0), Reconstruction::optimal).x, 1.375F, 1e-5F);
+}
+
+// A grid turned and moved together with the points and normals gives the same light.
+TEST(Footprint, RotatedFrameReadsTheSame) {
+  IrradianceGrid grid = small_grid();
+  std::mt19937 generator(5);
+  std::uniform_real_distribution<float> uniform;
+  for (float& m : grid.moments) m = uniform(generator);
+  IrradianceGrid turned = grid;
+  const float c = std::cos(1.1F);
+  const float s = std::sin(1.1F);
+  turned.frame.local_to_world = M33f(c, s, 0, -s, c, 0, 0, 0, 1);
+  turned.frame.origin_m = V3f(3, -2, 7);
+  for (int i = 0; i < 100; ++i) {
+    const V3f p(uniform(generator) * 3, uniform(generator) * 3, uniform(generator) * 3);
+    const V3f n = V3f(uniform(generator) - 0.5F, uniform(generator) - 0.5F, uniform(generator) - 0.5F).normalized();
+    const V3f turned_p = p * turned.frame.local_to_world + turned.frame.origin_m;
+    const V3f turned_n = n * turned.frame.local_to_world;
+    const float plain =
+        irradiance(grid, make_footprint(grid.frame, p, Interpolation::trilinear), n, Reconstruction::optimal).x;
+    const float moved = irradiance(turned, make_footprint(turned.frame, turned_p, Interpolation::trilinear), turned_n,
+                                   Reconstruction::optimal)
+                            .x;
+    EXPECT_NEAR(plain, moved, 1e-4F);  // positions of order 10 lose 1e-6 of a voxel, over values of order 1
+  }
+}
+
+}  // namespace
+}  // namespace ivory

@@ -1,0 +1,167 @@
+// Grids to compare the GPU's look-ups with the CPU's on.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "grid/base/half.h"
+#include "grid/field/compact_vectors.h"
+#include "grid/field/lookup.h"
+#include "runtime/assets/irradiance_grid.h"
+#include "tests/support/runtime_twin.h"
+
+namespace ivory {
+
+// A grid of made-up light: at each vertex a few directions, of 1e-3 to 1e5 lux where `uneven`, else of 3000 to 30,000.
+// A tenth of the vertices store nothing, a fifth see little of their cells, and most have planes that cut off a part of
+// what lies within a voxel.
+inline IrradianceGrid random_grid(const V3i& size, Basis basis, bool rotated, bool uneven, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> uniform(0, 1);
+  IrradianceGrid grid;
+  grid.basis = basis;
+  grid.frame.size = size;
+  grid.frame.origin_m = V3f(3, -2, 7);
+  grid.frame.spacing_m = V3f(0.5F, 0.7F, 0.4F);
+  if (rotated) {
+    const V3f x = random_direction(random);
+    const V3f y = x.cross(random_direction(random)).normalized();
+    const V3f z = x.cross(y);
+    grid.frame.local_to_world = M33f(x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z);
+  }
+  const std::size_t vertices = grid.frame.vertex_count();
+  grid.moments.assign(vertices * std::size_t(grid.stride()), 0);
+  grid.visible_fraction.assign(vertices, 0);
+  grid.variance.assign(vertices, Rgb(0, 0, 0));
+  grid.guard.assign(vertices, {});
+  for (std::size_t v = 0; v < vertices; ++v) {
+    if (uniform(random) < 0.1F) continue;
+    grid.visible_fraction[v] = uniform(random) < 0.2F ? std::ceil(16 * uniform(random)) / 64 : 1;
+    const float lux = uneven ? std::pow(10.0F, 8 * uniform(random) - 3) : 3000 * std::pow(10.0F, uniform(random));
+    for (int light = 0; light < 4; ++light) {
+      const auto f = eval(basis, random_direction(random));
+      const Rgb colour(lux * uniform(random), lux * uniform(random), lux * uniform(random));
+      float* m = grid.moments.data() + v * std::size_t(grid.stride());
+      for (std::size_t k = 0; k < std::size_t(function_count(basis)); ++k) {
+        for (std::size_t c = 0; c < 3; ++c) m[3 * k + c] += f[k] * colour[unsigned(c)];
+      }
+    }
+    const int planes = int(uniform(random) * 5);
+    for (int i = 0; i < std::min(planes, 4); ++i)
+      grid.guard[v].words[std::size_t(i)] = pack({random_direction(random), uniform(random) * 1.2F - 0.2F});
+  }
+  return grid;
+}
+
+// Twelve triples a vertex as the texture holds them: of that form, rounded to half in its unit.
+struct StoredGrid {
+  GridForm form = GridForm::moments;
+  std::vector<float> values;  // [vertex][stride], lux; directions of norms_and_directions are unit vectors
+
+  StoredGrid(const IrradianceGrid& grid, const GpuGrid& gpu) : form(gpu.form), values(grid.moments) {
+    const auto stride = std::size_t(grid.stride());
+    for (std::size_t v = 0; v < grid.frame.vertex_count(); ++v) {
+      float* m = values.data() + v * stride;
+      if (form == GridForm::norms_and_directions) {
+        const auto compact = compact_from_moments(std::span<const float, 36>(m, 36));
+        std::copy(compact.begin(), compact.end(), m);
+      }
+      const float trust = vertex_trust(grid.visible_fraction[v]);
+      for (std::size_t i = 0; i < stride && trust > 0; ++i) {
+        const float unit = form == GridForm::norms_and_directions && i >= 18 ? 1 : gpu.scale;
+        m[i] = rounded_to_half(m[i] * trust / unit) * unit / trust;
+      }
+    }
+  }
+};
+
+// E(n) and how large the numbers are that it is made of.
+struct TwinIrradiance {
+  Rgb e;
+  float largest = 0;  // weighted mean of the vertices' largest moments
+  float around = 0;   // the largest of any vertex that a weight off by rounding may bring in, as the texture holds it
+};
+
+inline TwinIrradiance irradiance_of(const IrradianceGrid& grid, const StoredGrid& stored, const V3f& nudged,
+                                    const Footprint& footprint, const V3f& n, Reconstruction reconstruction) {
+  const auto stride = std::size_t(grid.stride());
+  std::array<float, 36> sum{};
+  TwinIrradiance out;
+  for (std::size_t i = 0; i < std::size_t(footprint.count); ++i) {
+    const float* m = stored.values.data() + footprint.vertex[i] * stride;
+    float largest = 0;
+    for (std::size_t k = 0; k < stride; ++k) {
+      sum[k] += footprint.weight[i] * m[k];
+      largest = std::max(largest, std::abs(m[k]));
+    }
+    out.largest += footprint.weight[i] * largest;
+  }
+  const Footprint wide = make_footprint(grid.frame, nudged, Interpolation::tricubic);
+  for (std::size_t i = 0; i < std::size_t(wide.count); ++i) {
+    const float trust = vertex_trust(grid.visible_fraction[wide.vertex[i]]);
+    for (std::size_t k = 0; k < stride; ++k)
+      out.around = std::max(out.around, trust * std::abs(stored.values[wide.vertex[i] * stride + k]));
+  }
+  if (stored.form == GridForm::norms_and_directions) {
+    // A mean of directions that point apart is short, and what it is off by grows when it is made a unit vector.
+    float shortest = 1;
+    for (std::size_t i = 18; i < 36; i += 3) {
+      const float length = V3f(sum[i], sum[i + 1], sum[i + 2]).length();
+      if (length > 0) shortest = std::min(shortest, length);
+    }
+    out.around /= shortest;
+    out.largest /= shortest;
+    sum = moments_from_compact(sum, grid.frame.direction_to_local(n));
+  }
+  out.e = irradiance(grid.basis, reconstruction, sum.data(), grid.frame.direction_to_local(n));
+  return out;
+}
+
+// Points where rounding decides what a look-up reads, and how much weight it rests on elsewhere.
+struct LookupMargin {
+  bool undecided = false;
+  float kept = 1;
+};
+inline LookupMargin margin(const IrradianceGrid& grid, Guard guard, const V3f& nudged, Interpolation interpolation) {
+  constexpr float closest_voxels = 1e-4F;  // float places points of this grid to 1e-6 of a voxel or so
+  LookupMargin out;
+  const V3f index = grid.frame.to_index(nudged);
+  const auto judge = [&](Interpolation in) {
+    Footprint f = make_footprint(grid.frame, nudged, in);
+    float kept = 0;
+    for (std::size_t i = 0; i < std::size_t(f.count); ++i) {
+      const std::uint32_t vertex = f.vertex[i];
+      const V3f at(float(vertex % std::uint32_t(grid.frame.size.x)),
+                   float(vertex / std::uint32_t(grid.frame.size.x) % std::uint32_t(grid.frame.size.y)),
+                   float(vertex / std::uint32_t(grid.frame.size.x * grid.frame.size.y)));
+      const float hidden = guard == Guard::planes ? hidden_by(grid.guard[vertex], index - at) : -1;
+      const float weight = f.weight[i] * vertex_trust(grid.visible_fraction[vertex]);
+      if (weight > 0 && std::abs(hidden) < closest_voxels) out.undecided = true;
+      if (hidden <= 0) kept += weight;
+    }
+    // The least weight that counts is 1e-4.
+    if (kept > 0 && kept < 2e-4F) out.undecided = true;
+    return kept;
+  };
+  const float near = judge(interpolation);
+  out.kept = near;
+  if (guard == Guard::planes && near < 0.26F && interpolation == Interpolation::trilinear)
+    out.kept = std::max(near, judge(Interpolation::tricubic));
+  // Nothing is seen: the least hidden entry must be so by a margin, and hold some weight by one.
+  if (guard == Guard::planes && out.kept < 1e-4F) {
+    Footprint f = make_footprint(grid.frame, nudged, interpolation);
+    const std::uint64_t least = least_hidden_by_guard(grid, nudged, f);
+    for (std::size_t i = 0; i < std::size_t(f.count); ++i) {
+      const float weight = f.weight[i] * vertex_trust(grid.visible_fraction[f.vertex[i]]);
+      if (((least >> i) & 1U) != 0 && weight < 2e-4F) out.undecided = true;
+      // A vertex repeated beyond the border, or one of tiny weight, may tie.
+      if (((least >> i) & 1U) == 0 && weight > 0 && weight < 2e-4F) out.undecided = true;
+    }
+    out.kept = 1;
+  }
+  return out;
+}
+
+}  // namespace ivory

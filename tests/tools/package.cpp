@@ -1,0 +1,56 @@
+// The installed package: found by CMake, built against, run.
+#include <cstdio>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/command_test.h"
+
+namespace ivory {
+
+namespace {
+
+class Package : public CommandTest {
+ protected:
+  // Exit code of a shell command; its output goes to a file that a failure shows.
+  int shell(const std::string& command) const {
+    return std::system((command + " >" + path("log") + " 2>&1 </dev/null").c_str());
+  }
+};
+
+TEST_F(Package, ExampleBuildsAgainstItAndDraws) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "the installed libraries need a program built with the same sanitizers";
+#endif
+  const std::string prefix = path("prefix");
+  ASSERT_EQ(shell("cmake --install " IVORY_BUILD_DIR " --component runtime --prefix " + prefix), 0)
+      << bytes_of(path("log"));
+  ASSERT_EQ(shell("cmake -S " IVORY_SOURCE_DIR "/runtime/example -B " + path("build") + " -DCMAKE_BUILD_TYPE=Release" +
+                  " -DCMAKE_PREFIX_PATH=" + prefix),
+            0)
+      << bytes_of(path("log"));
+  ASSERT_EQ(shell("cmake --build " + path("build")), 0) << bytes_of(path("log"));
+  if (shell("command -v xvfb-run") != 0) GTEST_SKIP() << "built; running it needs xvfb-run (Debian package xvfb)";
+
+  run("bake grid " + scene("cornell_box.gltf") + " -o " + path("room.vdb") + " --resolution 8 --photons 100k");
+  const std::string xvfb = "xvfb-run -a -s '-screen 0 800x600x24' ";
+  ASSERT_EQ(shell(xvfb + path("build/ivory_example") + " " + path("room.vdb") + " 3"), 0) << bytes_of(path("log"));
+  // The ball hangs in the middle of the box, under its white light: neither black nor white, red and green near alike.
+  float red = 0;
+  float green = 0;
+  float blue = 0;
+  ASSERT_EQ(std::sscanf(bytes_of(path("log")).c_str(), "%f %f %f", &red, &green, &blue), 3) << bytes_of(path("log"));
+  for (const float channel : {red, green, blue}) {
+    EXPECT_GT(channel, 0.05F);
+    EXPECT_LE(channel, 1.0F);
+  }
+
+  // A file that is no grid: one line and exit code 1.
+  std::ofstream(path("foreign.vdb")) << "not a grid";
+  EXPECT_NE(shell(xvfb + path("build/ivory_example") + " " + path("foreign.vdb") + " 3"), 0);
+  EXPECT_NE(bytes_of(path("log")).find("foreign.vdb"), std::string::npos) << bytes_of(path("log"));
+}
+
+}  // namespace
+
+}  // namespace ivory
