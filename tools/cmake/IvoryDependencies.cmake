@@ -1,16 +1,19 @@
-# Every third party, found as a Debian 12 package.
+# Every third party of what is built, found as a Debian 12 package.
 include(IvoryRuntimeDependencies)
 
-find_package(embree 3 CONFIG REQUIRED)
-find_package(TinyGLTF CONFIG REQUIRED)
-find_package(CLI11 CONFIG REQUIRED)
-find_package(meshoptimizer CONFIG REQUIRED)
-find_package(nanoflann CONFIG REQUIRED)
-find_package(ZLIB REQUIRED)
-pkg_check_modules(draco REQUIRED IMPORTED_TARGET draco)
-pkg_check_modules(egl REQUIRED IMPORTED_TARGET egl)
-pkg_check_modules(imgui REQUIRED IMPORTED_TARGET imgui)
-find_package(glfw3 CONFIG REQUIRED)
-
-# Random123 is headers only and ships no CMake package.
-find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
+if(IVORY_BUILD_TRACER)
+  find_package(embree 3 CONFIG REQUIRED)
+  find_package(TinyGLTF CONFIG REQUIRED)
+  find_package(meshoptimizer CONFIG REQUIRED)
+  find_package(nanoflann CONFIG REQUIRED)
+  find_package(ZLIB REQUIRED)
+  pkg_check_modules(draco REQUIRED IMPORTED_TARGET draco)
+  # Random123 is headers only and ships no CMake package.
+  find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)
+endif()
+if(IVORY_BUILD_TOOLS)
+  find_package(CLI11 CONFIG REQUIRED)
+  find_package(glfw3 CONFIG REQUIRED)
+  pkg_check_modules(egl REQUIRED IMPORTED_TARGET egl)
+  pkg_check_modules(imgui REQUIRED IMPORTED_TARGET imgui)
+endif()

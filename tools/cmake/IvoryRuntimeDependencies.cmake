@@ -8,7 +8,9 @@ find_package(OpenEXR CONFIG REQUIRED)
 find_package(nlohmann_json CONFIG REQUIRED)
 find_package(fmt CONFIG REQUIRED)
 find_package(PkgConfig REQUIRED)
-pkg_check_modules(epoxy REQUIRED IMPORTED_TARGET epoxy)
+if(IVORY_BUILD_RUNTIME OR NOT DEFINED IVORY_BUILD_RUNTIME)
+  pkg_check_modules(epoxy REQUIRED IMPORTED_TARGET epoxy)
+endif()
 
 # Before OpenVDB, whose module would make a TBB of its own.
 find_package(TBB CONFIG REQUIRED)
