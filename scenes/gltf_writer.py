@@ -8,6 +8,7 @@ import base64
 import json
 import struct
 
+import gltf_file
 from files import write_file
 
 FLOAT, UINT16, INT16, INT8 = 5126, 5123, 5122, 5120
@@ -135,11 +136,7 @@ class Gltf:
             self.binary.append(0)
         buffer = {"byteLength": len(self.binary)}
         if path.suffix == ".glb":
-            text = json.dumps({**self.root, "buffers": [buffer]}, separators=(",", ":")).encode()
-            text += b" " * (-len(text) % 4)
-            write_file(path, b"glTF" + struct.pack("<II", 2, 28 + len(text) + len(self.binary)) +
-                       struct.pack("<I", len(text)) + b"JSON" + text +
-                       struct.pack("<I", len(self.binary)) + b"BIN\0" + self.binary)
+            write_file(path, gltf_file.data({**self.root, "buffers": [buffer]}, gltf_file.binary_chunk(self.binary)))
         else:
             buffer["uri"] = "data:application/octet-stream;base64," + base64.b64encode(self.binary).decode()
             text = json.dumps({**self.root, "buffers": [buffer]}, indent=1)

@@ -108,6 +108,5 @@ def main():
                                  [point for point in points if open_to_light(point)], turn)
 
 
-
 if __name__ == "__main__":
     main()

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Writes what `tools/figures_lobes.py` measures cosine lobes on: the Stanford bunny under a ball of light.
+"""Writes what `ivory chart` measures cosine lobes on: the Stanford bunny under a ball of light.
 
 usage: make_lobes_scenes.py FOLDER [--bunny OBJ]
 
 FOLDER gets bunny.glb (the mesh alone, for `ivory bake spheres`) and, with the same bunny standing on a plane,
-bunny_plane.glb (matt plane, black bunny: only the plane's light is measured), bunny_gloss.glb (glossy plane) and
-bunny_matt.glb (all matt, for self-shadows). The mesh comes from Debian's package glmark2-data and is no part of ivory.
+bunny_plane.glb (matt plane) and bunny_gloss.glb (glossy plane). There the bunny is black, so that only the plane's light is
+measured. The mesh comes from Debian's package glmark2-data and is not part of ivory.
 """
 import argparse
 import pathlib
@@ -26,9 +26,9 @@ def plane():
     return piece
 
 
-def scene(path, animal, plane_material, bunny_albedo):
+def scene(path, animal, plane_material):
     gltf = Gltf("Bunny: Stanford University Computer Graphics Laboratory")
-    materials = {"plane": gltf.material("plane", (0.7, 0.7, 0.7)), "bunny": gltf.material("bunny", bunny_albedo)}
+    materials = {"plane": gltf.material("plane", (0.7, 0.7, 0.7)), "bunny": gltf.material("bunny", (0.0, 0.0, 0.0))}
     gltf.root["materials"][materials["plane"]].update(plane_material)
     gltf.node("plane", mesh=gltf.mesh("plane", {"plane": plane()}, materials))
     gltf.node("bunny", mesh=gltf.mesh("bunny", {"bunny": animal}, materials))
@@ -51,12 +51,11 @@ def main():
     gltf = Gltf("Bunny: Stanford University Computer Graphics Laboratory")
     gltf.node("bunny", mesh=gltf.mesh("bunny", {"grey": animal}, {"grey": gltf.material("grey", (0.7, 0.7, 0.7))}))
     gltf.save(options.folder / "bunny.glb")
-    scene(options.folder / "bunny_plane.glb", animal, {}, (0.0, 0.0, 0.0))
-    scene(options.folder / "bunny_matt.glb", animal, {}, (0.7, 0.7, 0.7))
-    # Dark and glossy: KHR_materials_specular at full strength, metallic 0.5.
+    scene(options.folder / "bunny_plane.glb", animal, {})
+    # Dark and glossy: without KHR_materials_specular highlights have their full strength.
     scene(options.folder / "bunny_gloss.glb", animal,
           {"pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.5, 0.5, 1.0], "metallicFactor": 0.6,
-                                    "roughnessFactor": 0.35}, "extensions": {}}, (0.0, 0.0, 0.0))
+                                    "roughnessFactor": 0.35}, "extensions": {}})
 
 
 if __name__ == "__main__":

@@ -1,12 +1,15 @@
 """Directional bases: what a few floats can say about E(n), and what they are worth at equal memory."""
+import csv
 import math
 import pathlib
 import random
 
 import probes
 import tables
+from gltf_writer import Gltf
 from plot import slug
-from runner import File, Out, Point, Step
+from shapes import Piece
+from steps import File, Out, Point, Step
 
 TITLE = "Directional bases"
 ABOUT = """First, light that is the same everywhere: the error is the basis' alone (RMS over normals and colours, divided by the mean E).
@@ -25,8 +28,6 @@ def label(basis, reconstruction):
 
 def tiny_scene(path, lights):
     """Two black specks, which say where the grid goes, under distant lights: [(direction travelled, lux)]."""
-    from gltf_writer import Gltf
-    from shapes import Piece
     gltf, specks = Gltf(), Piece()
     for s in (-0.5, 0.5):
         specks.quad((s, s, s), (s - math.copysign(1e-3, s), s, s), (s - math.copysign(1e-3, s), s - math.copysign(1e-3, s), s),
@@ -81,7 +82,6 @@ def directional_points(suite, inputs):
 
 
 def closed_form(normals, light):
-    import csv
     with open(normals.path, newline="", encoding="ascii") as file:
         for row in csv.DictReader(file):
             n = [float(row[c]) for c in ("nx", "ny", "nz")]
@@ -136,11 +136,11 @@ def draw(records, figures):
         for series in dict.fromkeys(r["series"] for r in directional):
             here = [r for r in directional if r["panel"] == panel and r["series"] == series]
             if here:
-                lines.append((series, [r["floats"] for r in here], [r["nrmse"] for r in here], None, None))
-        panels.append((panel, "floats a channel", "RMS error / mean E", False, True, [(s, x, y, e, "o") for s, x, y, e, _ in lines]))
+                lines.append((series, [r["floats"] for r in here], [r["nrmse"] for r in here], None))
+        panels.append((panel, "floats a channel", "RMS error / mean E", False, True, lines))
     if panels:
         figures.sweep("bases_directional", "Directional bases: error in light that is the same everywhere",
-                      "A mark a set of lights or environment.", panels, columns=2)
+                      "A mark a set of lights or environment.", panels, columns=2, joined=False)
     for panel in dict.fromkeys(r["panel"] for r in records if "memory_bytes" in r):
         here = [r for r in records if r["panel"] == panel]
         figures.costs(here, slug("bases", panel.split(",")[0]), f"Bases: {panel}",

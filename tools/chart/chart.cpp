@@ -62,10 +62,10 @@ std::string find_python() {
   const char* chosen = std::getenv("IVORY_PYTHON");
   for (const std::string& python :
        {std::string(chosen != nullptr ? chosen : "python3"), std::string("/usr/bin/python3")}) {
-    if (succeeds({python, "-c", "import sys, matplotlib; sys.exit(sys.version_info < (3, 9))"})) return python;
+    if (succeeds({python, "-c", "import sys, matplotlib, jinja2; sys.exit(sys.version_info < (3, 9))"})) return python;
   }
-  throw Error("ivory chart", "finds no Python 3.9 with matplotlib",
-              "install Debian's python3-matplotlib, or name an interpreter by IVORY_PYTHON");
+  throw Error("ivory chart", "finds no Python 3.9 with matplotlib and jinja2",
+              "install Debian's python3-matplotlib and python3-jinja2, or name an interpreter by IVORY_PYTHON");
 }
 
 void run_chart(const std::vector<std::string>& arguments, const CommonOptions& common) {
@@ -142,7 +142,7 @@ void add_chart_command(CLI::App& app, CommonOptions& common) {
   command->footer(
       "Each point is one or a few ivory commands; results.jsonl has them with seed, machine, time, peak memory and\n"
       "result. What it has is not measured again: an interrupted suite goes on. Sample data is looked for under\n"
-      "$IVORY_DATA. Needs python3-matplotlib.\n"
+      "$IVORY_DATA. Needs python3-matplotlib and python3-jinja2.\n"
       "Examples:\n"
       "  ivory chart quick -o out/charts\n"
       "  ivory chart grid -o out/charts --size full --only '*cornell*'");

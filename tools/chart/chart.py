@@ -11,14 +11,17 @@ import signal
 import sys
 import tempfile
 
-import page
-import summary
-import tables
-from inputs import Inputs
-from kept import Kept
-from plot import Figures
-from process import Failure, Stop
-from runner import Runner
+# The scenes' writers; installed or not, they lie beside the tools.
+sys.path.append(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scenes"))
+
+import page  # noqa: E402
+import summary  # noqa: E402
+import tables  # noqa: E402
+from inputs import Inputs  # noqa: E402
+from kept import Kept  # noqa: E402
+from plot import Figures  # noqa: E402
+from process import Failure, Stop  # noqa: E402
+from runner import Runner  # noqa: E402
 
 CURVES = ("grid", "bases", "sh9", "fiv", "cubemap", "lobes", "rates", "stability")
 WHOLE = ("quick", "full")
@@ -185,7 +188,8 @@ def measure(options, runner, inputs):
     if not options.quiet:
         for what, why in inputs.skipped:
             print(f"skipped: {what}: {why}", file=sys.stderr)
-    sections = [(c.name, c.module.TITLE, c.module.ABOUT, c.charts, c.tables) for c in curves if c.records]
+    sections = [{"id": c.name, "title": c.module.TITLE, "about": c.module.ABOUT, "figures": c.charts, "tables": c.tables}
+                for c in curves if c.records]
     written = page.write(runner.folder, options.suite, options.suite in WHOLE, sections, inputs.skipped + runner.failed, records, runner)
     fill(options, curves, figures, failed_plans)
     return report(options, curves, figures, runner, written)

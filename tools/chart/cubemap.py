@@ -4,9 +4,11 @@ import pathlib
 import random
 
 import probes
+import shapes
 import tables
+from gltf_writer import Gltf
 from plot import slug
-from runner import File, Out, Point, Step
+from steps import File, Out, Point, Step
 
 TITLE = "Objects near a point: localized cube maps"
 ABOUT = """E on a ball of 25 cm radius on its way to the wall of a coloured box, and at random points with random normals in free space of
@@ -20,8 +22,6 @@ GAPS_M = {"quick": (0.75, 0.3, 0.05, 0.01), "full": (0.75, 0.5, 0.3, 0.2, 0.1, 0
 
 def box(inputs):
     """Half side 1 m, a wall a colour, a lamp in the ceiling."""
-    import shapes
-    from gltf_writer import Gltf
     walls = {"red": ((0, 4, 6, 2), (0.75, 0.1, 0.1)), "green": ((1, 3, 7, 5), (0.1, 0.65, 0.15)),
              "blue": ((0, 2, 3, 1), (0.15, 0.2, 0.7)), "yellow": ((4, 5, 7, 6), (0.7, 0.6, 0.1)),
              "floor": ((0, 1, 5, 4), (0.7, 0.7, 0.7)), "ceiling": ((2, 6, 7, 3), (0.7, 0.7, 0.7))}
@@ -111,13 +111,13 @@ def draw(records, figures):
                               r["series"] == lookup)
                 if line:
                     xs, ys, es = zip(*line)
-                    lines.append((lookup, xs, ys, [min(e, 0.9 * v) for e, v in zip(es, ys)] if any(es) else None, None))
+                    lines.append((lookup, xs, ys, [min(e, 0.9 * v) for e, v in zip(es, ys)] if any(es) else None))
             panels.append((panel.split(", ")[1] + " texels a face", "distance to the wall, m", y_name, True, True, lines))
     if panels:
         figures.sweep("cubemap_wall", "Cube maps: a ball on its way to the wall", "", panels, columns=len(panels) // 2)
     for panel in dict.fromkeys(r["panel"] for r in records if "gap" not in r):
         figures.costs([r for r in records if r["panel"] == panel], slug("cubemap", panel), f"Cube maps: {panel}",
-                      "Labels: texels along a face's edge.", axes=(("read_ns", "nrmse"), ("memory_bytes", "nrmse"), ("memory_bytes", "relative_rmse"),
+                      "Settings: texels along an edge of a face.", axes=(("read_ns", "nrmse"), ("memory_bytes", "nrmse"), ("memory_bytes", "relative_rmse"),
                                                                   ("read_ns", "relative_rmse")))
 
 

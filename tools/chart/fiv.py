@@ -2,10 +2,12 @@
 import pathlib
 import random
 
+import shapes
 import tables
+from gltf_writer import Gltf
 from grid import errors, path_tracing_seconds
 from plot import slug
-from runner import File, Out, Point, Step
+from steps import File, Out, Point, Step
 
 TITLE = "Moving occluders: FIV tables"
 ABOUT = """First, planes beside and through one occluder, and several over one plane (`ivory bench fiv`): NRMSE of E against rays to every
@@ -57,8 +59,6 @@ def plane_points(suite, inputs):
 def crowd(inputs, count):
     """`count` knots of several sizes on a floor of 8 m, as nodes of one mesh, so close that shadows meet."""
     path = inputs.path(f"crowd_{count}.gltf")
-    import shapes
-    from gltf_writer import Gltf
     gltf, floor, rng = Gltf(), shapes.Piece(), random.Random(7)
     floor.positions = [(-4.0, 0.0, -4.0), (-4.0, 0.0, 4.0), (4.0, 0.0, 4.0), (4.0, 0.0, -4.0)]
     floor.triangles = [(0, 1, 2), (0, 2, 3)]
@@ -144,7 +144,7 @@ def draw(records, figures):
             for series in dict.fromkeys(r["series"] for r in here):
                 line = [r for r in here if r["light"] == light and r["series"] == series]
                 if line:
-                    lines.append((series, [r["memory_bytes"] for r in line], [r["nrmse"] for r in line], None, None))
+                    lines.append((series, [r["memory_bytes"] for r in line], [r["nrmse"] for r in line], None))
             panels.append((light, "memory", "NRMSE", True, True, lines))
         if panels:
             figures.sweep(f"fiv_{case}", f"FIV tables: {TITLES[case]}", "By the size of the table.", panels)
@@ -154,7 +154,7 @@ def draw(records, figures):
         figures.sweep("fiv_spheres", "FIV tables: number of distance spheres", "64×33 directions; radii placed by the pilot bake.", [
             (light, "spheres", "NRMSE", True, True,
              [(case, *zip(*sorted((int(r["samples"].split(",")[2]), r["nrmse"]) for r in spheres
-                                  if r["light"] == light and r["panel"].endswith(", " + case))), None, None) for case in CASES])
+                                  if r["light"] == light and r["panel"].endswith(", " + case))), None) for case in CASES])
             for light in lights])
     pictures = [r for r in records if "occluders" in r]
     for panel in dict.fromkeys(r["panel"] for r in pictures):
@@ -171,8 +171,8 @@ def draw(records, figures):
             tabled = sorted((r for r in here if r["series"] == "six hemispheres" and r["label"] == max(common)), key=lambda r: r["occluders"])
             same = [path_tracing_seconds([p for p in here if p["occluders"] == r["occluders"]], r["nrmse"]) for r in tabled]
             xs = [r["occluders"] for r in tabled]
-            lines += [(f"tables, {name}", xs, [r["picture_s"] for r in tabled], None, None),
-                      (f"path tracing to the same error, {name}", xs, same, None, None)]
+            lines += [(f"tables, {name}", xs, [r["picture_s"] for r in tabled], None),
+                      (f"path tracing to the same error, {name}", xs, same, None)]
         figures.sweep("fiv_occluders", f"FIV tables of {max(common).replace(',', '×')} samples: time of a picture by the number of occluders", "",
                       [("", "occluders", "s", True, True, lines)])
 

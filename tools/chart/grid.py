@@ -4,12 +4,12 @@ import re
 
 import tables
 from plot import slug
-from runner import File, Out, Point, Step
+from steps import File, Out, Point, Step
 
 TITLE = "Indirect light: irradiance-vector grids, path tracing, photon maps"
 ABOUT = """Indirect light alone, the bake counted. Every picture is compared with two independent path-traced ones whose own noise is
 left out of the error (`ivory compare A REF REF2`), so that errors below that noise, the grey line, can be told too. `16 vertices` are
-those along the longest side; labels on the marks are photons, samples or gather rays. Grids and photon maps are read at 16 samples a pixel, behind gather rays at
+those along the longest side; settings of curves are numbers of photons, samples or gather rays. Grids and photon maps are read at 16 samples a pixel, behind gather rays at
 4: where curves run level in scenes of much detail, the samples of edges and highlights are the limit."""
 
 SIZE = {"quick": "120x90", "full": "240x180"}

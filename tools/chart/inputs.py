@@ -5,8 +5,11 @@ import subprocess
 import sys
 
 import gltf_file
+from files import write_file
+from gltf_writer import Gltf
 from hashing import digest, file_hash
-from runner import Failure, File
+from process import Failure
+from steps import File
 
 
 def clamp(source, out):
@@ -31,7 +34,6 @@ class Inputs:
         self.data = os.environ.get("IVORY_DATA")
         self.skipped = []  # (what, why)
         self._ready = {}  # name of what takes long to generate: the folder where it lies
-        sys.path.insert(0, self.scenes)
 
     def skip(self, what, why):
         if (what, why) not in self.skipped:
@@ -73,7 +75,6 @@ class Inputs:
     def _make(self, name, outputs, sources, make):
         if not self._is_ready(name, outputs, sources):
             make()
-            from files import write_file
             write_file(self.path(name + ".stamp"), self._stamp(self.made, outputs, sources) or "")
             self._ready[name] = self.made
 
@@ -136,8 +137,6 @@ class Inputs:
 
     def with_camera(self, path, name, eye, target, yfov_rad):
         """A copy of a scene with one more camera, first in line; what the scene refers to stays where it is."""
-        from files import write_file
-        from gltf_writer import Gltf
         root, rest = gltf_file.read(path)
         for entry, file in gltf_file.external(root, os.path.dirname(path)):
             entry["uri"] = gltf_file.uri(file, self.made)

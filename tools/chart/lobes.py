@@ -1,8 +1,10 @@
 """Cosine lobes: soft shadows by depth of the mask, threshold and exponent, beside shadow rays and spherical Gaussians."""
 import pathlib
 
+import make_bunny_room
+import make_lobes_scenes
 import tables
-from runner import File, Out, Point, Step
+from steps import File, Out, Point, Step
 
 TITLE = "Balls of light: cosine lobes"
 ABOUT = """The plane under the Stanford bunny and a ball of light, 320×240 pixels, one sample a pixel at the same places, one thread. Truth
@@ -20,14 +22,12 @@ def render(scene, *options, timed=True):
 
 def rough_scenes(inputs):
     """{roughness: scene} of the plane, metal."""
-    import make_bunny_room
-    import make_lobes_scenes
     animal, found = make_bunny_room.bunny(pathlib.Path("/usr/share/glmark2/models/bunny.obj")), {}
     for r in ROUGHNESS:
         found[r] = inputs.path(f"bunny_rough_{r}.glb")
         make_lobes_scenes.scene(pathlib.Path(found[r]), animal, {
             "pbrMetallicRoughness": {"baseColorFactor": [0.7, 0.7, 0.7, 1.0], "metallicFactor": 1.0, "roughnessFactor": r},
-            "extensions": {}}, (0.0, 0.0, 0.0))
+            "extensions": {}})
     return found
 
 
@@ -123,7 +123,7 @@ def draw(records, figures):
     if exponents:
         figures.sweep("lobes_exponents", "Cosine lobes: glossy shadows by exponent", "", [
             ("", "exponent of the highlight", "NRMSE", True, True,
-             [(s, [r["exponent"] for r in exponents if r["series"] == s], [r["nrmse"] for r in exponents if r["series"] == s], None, None)
+             [(s, [r["exponent"] for r in exponents if r["series"] == s], [r["nrmse"] for r in exponents if r["series"] == s], None)
               for s in dict.fromkeys(r["series"] for r in exponents)])])
     for r in [r for r in records if "gaussians" in r][:1]:
         panels = []
@@ -131,12 +131,11 @@ def draw(records, figures):
             rows = [row for row in r["rows"] if row["half_angle_deg"] == half and row["exact"] > 0]
             facing = rows[0]["exact"]
             panels.append((f"light of half angle {half}°", "angle from the normal, degrees", "error, % of E facing the light", False, False, [
-                (label, [row["angle_deg"] for row in rows], [100 * (row[key] - row["exact"]) / facing for row in rows], None, None)
+                (label, [row["angle_deg"] for row in rows], [100 * (row[key] - row["exact"]) / facing for row in rows], None)
                 for label, key in (("cosine lobes", "lobes"), ("spherical Gaussians, cosine as one", "gaussians"),
                                    ("spherical Gaussians, fitted irradiance", "gaussians_fitted"))]))
         figures.sweep("lobes_gaussians", "One unshadowed ball of light on a matt surface: cosine lobes and spherical Gaussians",
-                      "Gaussians: the ball as the Gaussian of equal flux and width; its irradiance by the cosine as the widely used single Gaussian, and by Hill's fit.", panels,
-                      columns=2)
+                      "Gaussians: the ball as the Gaussian of equal flux and width; its irradiance by the cosine as the widely used single Gaussian, and by Hill's fit.", panels, columns=2)
 
 
 def page_tables(records):

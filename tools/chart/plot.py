@@ -12,8 +12,15 @@ from matplotlib import pyplot, ticker  # noqa: E402
 pyplot.rcParams.update({"font.size": 9, "axes.grid": True, "grid.alpha": 0.25, "axes.axisbelow": True, "legend.fontsize": 8,
                         "legend.frameon": False, "savefig.dpi": 120, "svg.fonttype": "none", "svg.hashsalt": "ivory",
                         "axes.spines.top": False, "axes.spines.right": False})
+# Of series i; beyond the last colour they start again with other marks, hollow.
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#7f3c8d", "#4d4d4d", "#80b918", "#a83232")
 MARKS = "osD^vP*X<>"
+
+
+def style(i):
+    """Colour, mark and its filling of the series of that number."""
+    return {"color": COLOURS[i % len(COLOURS)], "marker": MARKS[(i + i // len(COLOURS)) % len(MARKS)],
+            "markerfacecolor": COLOURS[i % len(COLOURS)] if i < len(COLOURS) else "white"}
 
 
 def error_of(record, y):
@@ -81,6 +88,12 @@ def slug(*words):
     return re.sub("[^a-z0-9]+", "_", "_".join(words).lower().replace("'", "")).strip("_")
 
 
+def settings(series, records):
+    """A curve's name in the legend: with its first and last setting."""
+    labels = list(dict.fromkeys(r["label"] for r in records))
+    return series + (f": {labels[0]} to {labels[-1]}" if len(labels) > 1 else f": {labels[0]}" if labels[0] else "")
+
+
 class Figures:
     """Writes NAME.svg and NAME.png into the folder and remembers them for the page."""
 
@@ -101,7 +114,10 @@ class Figures:
         self.made.append((name, title))
 
     def costs(self, records, name, title, caption, axes=None, names=None):
-        """One panel a pair (cost, error) of `axes`; one line a series. names: other titles of axes than NAMES."""
+        """One panel a pair (cost, error) of `axes`; one line a series. names: other titles of axes than NAMES.
+
+        What the marks are stands in the legend alone: settings in the order of a curve; of series that are no curve, a mark a
+        setting, the same in each of them."""
         axes = axes or (("time_s", "nrmse"), ("memory_bytes", "nrmse"), ("time_s", "relative_rmse"),
                         ("memory_bytes", "relative_rmse"))
         axes = [(x, y) for x, y in axes if any(r.get(x, 0) > 0 and r.get(y, 0) > 0 for r in records)]
@@ -111,10 +127,21 @@ class Figures:
         rows = (len(axes) + columns - 1) // columns
         figure, panels = pyplot.subplots(rows, columns, figsize=(5.6 * columns, 4.1 * rows), squeeze=False,
                                          constrained_layout=True)
-        series = list(dict.fromkeys(r["series"] for r in records))
+        series = {}
+        for r in records:
+            series.setdefault(r["series"], []).append(r)
+        variants = list(dict.fromkeys(r["label"] for r in records if not r.get("join", True)))
         for panel, (x, y) in zip(panels.flat, axes):
-            for i, s in enumerate(series):
-                self._line(panel, [r for r in records if r["series"] == s], x, y, s, i)
+            for i, (name_of, here) in enumerate(series.items()):
+                if here[0].get("join", True):
+                    self._line(panel, here, x, y, settings(name_of, here), style(i), "-")
+                    continue
+                panel.plot([], [], "s", color=COLOURS[i % len(COLOURS)], label=f"{name_of}:")
+                for r in here:
+                    mark = {**style(variants.index(r["label"])), "color": COLOURS[i % len(COLOURS)], "markerfacecolor": "white"}
+                    self._line(panel, [r], x, y, None, mark, "")
+            for label in variants:
+                panel.plot([], [], linestyle="", label=label, **{**style(variants.index(label)), "color": "#444444", "markerfacecolor": "white"})
             self._frame(panel, records, x, y, {**NAMES, **(names or {})})
         for panel in panels.flat[len(axes):]:
             panel.remove()
@@ -122,21 +149,23 @@ class Figures:
         for panel in panels.flat[:len(axes)]:
             for handle, label in zip(*panel.get_legend_handles_labels()):
                 handles.setdefault(label, handle)
-        figure.legend(handles.values(), handles.keys(), loc="center left", bbox_to_anchor=(1.0, 0.5))
+        # Curves first, in their order, then marks of variants, then what is drawn over and under them.
+        order = [settings(s, here) for s, here in series.items()] + [f"{s}:" for s in series] + variants
+        labels = sorted(handles, key=lambda label: order.index(label) if label in order else len(order))
+        figure.legend([handles[label] for label in labels], labels, loc="center left", bbox_to_anchor=(1.0, 0.5))
         self.save(figure, name, title, caption)
 
     @staticmethod
-    def _line(panel, records, x, y, label, i):
+    def _line(panel, records, x, y, label, mark, line):
+        """Arrows down: at most so much is known of the error."""
         points = sorted((r for r in records if r.get(x, 0) > 0 and error_of(r, y) > 0), key=lambda r: r[x])
         if not points:
             return
         xs, ys = [r[x] for r in points], [error_of(r, y) for r in points]
         error = [min(r.get(f"{y}_se") or 0, 0.9 * py) for r, py in zip(points, ys)]
-        colour, mark = COLOURS[i % len(COLOURS)], MARKS[(i + i // len(COLOURS)) % len(MARKS)]
-        panel.errorbar(xs, ys, yerr=error if any(error) else None, fmt=mark + ("-" if points[0].get("join", True) else ""), color=colour, markersize=4.5, linewidth=1,
-                       elinewidth=0.8, label=label, markerfacecolor=colour if i < len(COLOURS) else "white")
-        for r, px, py in zip(points, xs, ys):
-            panel.annotate(("≤ " if r[y] < py else "") + r["label"], (px, py), textcoords="offset points", xytext=(4, 3), fontsize=5.5, color=colour)
+        at_most = [r[y] < py for r, py in zip(points, ys)]
+        panel.errorbar(xs, ys, yerr=error if any(error) else None, uplims=at_most if any(error) else False, linestyle=line, markersize=4.5,
+                       linewidth=1, elinewidth=0.8, label=label, **mark)
 
     @staticmethod
     def _frame(panel, records, x, y, names):
@@ -171,8 +200,8 @@ class Figures:
                 panel.xaxis.set_major_formatter(ticker.FuncFormatter(plain))
         self.save(figure, name, title)
 
-    def sweep(self, name, title, caption, panels, columns=None, bounds=()):
-        """panels: [(title, x name, y name, log x, log y, [(label, xs, ys, errors or None, style)])].
+    def sweep(self, name, title, caption, panels, columns=None, bounds=(), joined=True):
+        """panels: [(title, x name, y name, log x, log y, [(label, xs, ys, errors or None)])]. joined: are they curves, or marks?
 
         bounds: for each line of a single panel, [(x, bound)], drawn as dashes."""
         panels = [(*p[:5], [line for line in p[5] if len(line[1])]) for p in panels]
@@ -184,9 +213,8 @@ class Figures:
         figure, axes = pyplot.subplots(rows, columns, figsize=(4.6 * columns + 0.6, 3.6 * rows), squeeze=False,
                                        constrained_layout=True)
         for panel, (subtitle, x_name, y_name, log_x, log_y, lines) in zip(axes.flat, panels):
-            for i, (label, xs, ys, errors, style) in enumerate(lines):
-                panel.errorbar(xs, ys, yerr=errors, fmt=style or (MARKS[i % len(MARKS)] + "-"), color=COLOURS[i % len(COLOURS)],
-                               markersize=4, linewidth=1, elinewidth=0.8, label=label)
+            for i, (label, xs, ys, errors) in enumerate(lines):
+                panel.errorbar(xs, ys, yerr=errors, linestyle="-" if joined else "", markersize=4, linewidth=1, elinewidth=0.8, label=label, **style(i))
             for i, bound in enumerate(bounds):
                 if bound:
                     panel.plot(*zip(*bound), "--" if len(bound) > 1 else "_", color=COLOURS[i % len(COLOURS)], linewidth=0.8, alpha=0.7)

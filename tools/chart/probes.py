@@ -3,6 +3,8 @@ import csv
 import math
 import random
 
+from files import write_file
+
 
 def rows(path):
     """[(E rgb, standard error rgb)]"""
@@ -51,7 +53,6 @@ def direction(rng):
 
 def write(path, points):
     """points: (place, normal). The same bytes every time."""
-    from files import write_file
     write_file(path, "x,y,z,nx,ny,nz\n" + "".join(",".join(f"{x + 0.0:.7g}" for x in (*p, *n)) + "\n" for p, n in points))
     return path
 

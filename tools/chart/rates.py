@@ -2,7 +2,7 @@
 import os
 
 import tables
-from runner import File, Point, Step
+from steps import File, Point, Step
 
 TITLE = "How near the limits"
 ABOUT = """What each inner loop could do at best, and the share of it that is reached: Embree's own rate on the very same rays, the

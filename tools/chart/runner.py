@@ -1,15 +1,13 @@
 """Runs ivory commands once, writes down what they cost, and goes on where an earlier run stopped.
 
-A Step is one command. Its key is a hash of its arguments, of what the files it reads hold, of the steps whose outputs
+A Step (steps.py) is one command. Its key is a hash of its arguments, of what the files it reads hold, of the steps whose outputs
 it reads, of ivory's version and, where its time counts, of the machine; a record of that key in results.jsonl, by the same build of
 ivory, means that it need not run again. A Point is what a chart plots: a few steps, and figures taken from their results, kept in
 results.jsonl under the hash of all their keys and of the code that takes the figures. Files in FOLDER/work serve steps only and may be
 deleted at any time: what a missing one is needed for is made again.
 """
-import dataclasses
 import os
 import platform
-import re
 import shlex
 import subprocess
 import sys
@@ -19,6 +17,7 @@ import process
 from hashing import code_hash, digest, file_hash, input_hash
 from process import Failure, Stop
 from results import Results, lock
+from steps import File, Out, Step
 
 SEED = 1
 # Shorter commands are run again, as often as this: the least time counts, and all are written down.
@@ -33,49 +32,6 @@ POINT_VERSION = 2
 
 class Missing(Failure):
     """Was never measured, and now is not the time to."""
-
-
-@dataclasses.dataclass(frozen=True)
-class File:
-    """An input; `make`, called before it is first read, brings it up to date."""
-    path: str
-    make: object = None
-
-
-@dataclasses.dataclass(frozen=True)
-class Out:
-    """The step's own output, by its extension."""
-    extension: str
-
-
-@dataclasses.dataclass(eq=False)
-class Step:
-    arguments: tuple  # strings and numbers, File, Out, Steps whose outputs are read; NAME=OUTPUT as ("NAME=", Step)
-    timed: bool = False  # does its time count for the point?
-    seconds: str = "wall"  # the command's whole time; "once": the same, never repeated; any other: a field of its result
-    threads: int = 0  # 0: as the suite says
-
-    def reports_time(self):
-        return self.seconds not in ("wall", "once")
-
-    def depends_on_machine(self):
-        return self.timed or self.arguments[0] == "bench"
-
-
-@dataclasses.dataclass(eq=False)
-class Point:
-    curve: str
-    panel: str  # which chart, mostly the scene
-    series: str  # which line
-    label: str  # beside the mark
-    steps: list
-    measure: object  # function(run: Run) -> dict of figures; "nrmse", "memory_bytes" ...
-    join: bool = True  # is the series a curve, or just marks?
-    name: str = ""
-
-    def __post_init__(self):
-        words = (re.sub("[^a-z0-9.]+", "_", w.lower()).strip("_") for w in (self.curve, self.panel, self.series, self.label))
-        self.name = self.name or "/".join(words)
 
 
 def machine():

@@ -1,11 +1,12 @@
 """Distant light: spherical harmonics by order and window, and irradiance maps by size, over all environments at hand."""
 import probes
 import tables
-from runner import File, Out, Point, Step
+from steps import File, Out, Point, Step
 
 TITLE = "Distant light: SH9 and irradiance maps"
 ABOUT = """E at random normals against the sum over all texels of the map (`ivory probe MAP`), whose own error bound is the dashed
 floor; RMS over normals and colours, divided by the mean E. Time is that of reading the map and baking; the errors that both bakes measure of themselves are left out."""
+
 
 def points(suite, inputs, runner):
     count = 2000 if suite == "full" else 500
@@ -45,7 +46,7 @@ def draw(records, figures):
 
     def lines(series, x):
         return [(name, [x(r) for r in records if r["panel"] == name and r["series"] == series],
-                 [r["nrmse"] for r in records if r["panel"] == name and r["series"] == series], None, None) for name in names]
+                 [r["nrmse"] for r in records if r["panel"] == name and r["series"] == series], None) for name in names]
 
     floor = "largest error of the truth"
 
@@ -54,7 +55,7 @@ def draw(records, figures):
         xs = [x(r) for r in records if r["series"] == series]
         if not xs:
             return []
-        return lines(series, x) + [(floor, [min(xs), max(xs)], [max(r["nrmse_floor"] for r in records)] * 2, None, None)]
+        return lines(series, x) + [(floor, [min(xs), max(xs)], [max(r["nrmse_floor"] for r in records)] * 2, None)]
 
     windows = ["none", *dict.fromkeys(r["label"] for r in records if r["series"] == "SH9, window")]
     by_window = []
@@ -62,7 +63,7 @@ def draw(records, figures):
         here = {r["label"]: r["nrmse"] for r in records if r["panel"] == name and r["series"] == "SH9, window"}
         here["none"] = next((r["nrmse"] for r in records if r["panel"] == name and r["label"] == "order 2"), None)
         ready = [w for w in windows if here.get(w)]
-        by_window.append((name, ready, [here[w] for w in ready], None, None))
+        by_window.append((name, ready, [here[w] for w in ready], None))
     figures.sweep("sh9_order", "Distant light: error against memory, by environment", "", [
         ("spherical harmonics, order 0 to 2", "memory", "RMS error / mean E", True, True, with_floor("SH", lambda r: r["memory_bytes"])),
         ("irradiance maps, by texels along an edge", "memory", "RMS error / mean E", True, True,

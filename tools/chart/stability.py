@@ -1,9 +1,9 @@
 """The places where methods fail, each swept through the failure by `ivory bench stability`."""
-import json
 import subprocess
 
 import tables
-from runner import Failure, Point, Step
+from process import Failure
+from steps import Point, Step
 
 TITLE = "Where methods fail"
 ABOUT = """One plot and one sentence a place: errors against closed forms or slow twins as a parameter is swept through the failure.
@@ -35,7 +35,7 @@ def draw(records, figures):
         lines, bounds = [], []
         for series in dict.fromkeys(p["series"] for p in rows):
             here = sorted((p["x"], p["error"], p["bound"]) for p in rows if p["series"] == series)
-            lines.append((series, [x for x, _, _ in here], [e for _, e, _ in here], None, None))
+            lines.append((series, [x for x, _, _ in here], [e for _, e, _ in here], None))
             bounds.append([(x, b) for x, _, b in here if b is not None])
         figures.sweep(f"stability_{r['panel']}", first["title"], first["sentence"],
                       [("", first["x_label"], first["y_label"], first["log_x"], first["log_y"], lines)], bounds=bounds)

@@ -24,6 +24,11 @@ def data(root, rest):
     return b"glTF" + struct.pack("<IIII", 2, 20 + len(text) + len(rest), len(text), 0x4E4F534A) + text + rest
 
 
+def binary_chunk(binary):
+    """A GLB's second chunk; the length of `binary` is a multiple of four."""
+    return struct.pack("<I", len(binary)) + b"BIN\0" + binary
+
+
 def external(root, folder):
     """(entry with a "uri", the file's path) of buffers and images that lie in files; URIs are percent-encoded and relative to the folder."""
     for entry in root.get("buffers", []) + root.get("images", []):
