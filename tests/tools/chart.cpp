@@ -33,7 +33,7 @@ class ChartCommand : public CommandTest {
     ::unsetenv("IVORY_DATA");
     if (run_ivory("chart sh9 --list --only none -o " + path("probe")).output.find("finds no Python") !=
         std::string::npos)
-      GTEST_SKIP() << "no Python with matplotlib";
+      GTEST_SKIP() << "no Python with matplotlib and jinja2";
   }
   void TearDown() override {
     if (!data_.empty()) ::setenv("IVORY_DATA", data_.c_str(), 1);
@@ -139,8 +139,7 @@ TEST_F(ChartCommand, FillsTablesOfADocument) {
   EXPECT_FALSE(read("sh9_order.png").empty());
 }
 
-// The records of a results.jsonl by the name of their point.
-// Records of a kind by one of their fields.
+// Records of a kind in a results.jsonl, by one of their fields.
 std::map<std::string, nlohmann::json> records_of(const std::string& log, const std::string& kind,
                                                  const std::string& field) {
   std::map<std::string, nlohmann::json> found;

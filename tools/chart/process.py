@@ -25,7 +25,6 @@ class Outcome:
     cpu_s: float
     peak_memory_bytes: int
     foreign: object  # processor time of others while it ran, as a share of one core; None where the system does not tell
-
     complaint: str = ""  # why it failed although it gave a result
 
     def result(self):
