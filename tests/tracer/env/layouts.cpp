@@ -120,8 +120,8 @@ TEST_F(EnvironmentFiles, ResamplingKeepsFluxConstantsAndSuns) {
 }
 
 TEST_F(EnvironmentFiles, OrientationMapsAgree) {
-  const std::string data = shared_data();
-  if (data.empty() || !fs::exists(data + "/env/OrientationCube.exr")) GTEST_SKIP() << "needs shared/data/env";
+  const std::string data = sample_data();
+  if (data.empty() || !fs::exists(data + "/env/OrientationCube.exr")) GTEST_SKIP() << no_sample_data;
   const EnvironmentImage cube_image = load_environment_image(data + "/env/OrientationCube.exr");
   const EnvironmentImage latlong_image = load_environment_image(data + "/env/OrientationLatLong.exr");
   EXPECT_EQ(cube_image.layout, EnvironmentLayout::cube);
@@ -271,8 +271,8 @@ TEST_F(EnvironmentFiles, SumsDoNotDependOnThreads) {
 }
 
 TEST_F(EnvironmentFiles, NaturalMapsAgainstThePapersFigures) {
-  const std::string data = shared_data();
-  if (data.empty()) GTEST_SKIP() << "needs shared/data/env";
+  const std::string data = sample_data();
+  if (data.empty()) GTEST_SKIP() << no_sample_data;
   int seen = 0;
   for (const auto& entry : fs::directory_iterator(data + "/env")) {
     if (entry.path().extension() != ".hdr") continue;
