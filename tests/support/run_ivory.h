@@ -9,6 +9,8 @@
 
 #include <sys/wait.h>
 
+#include "tests/support/paths.h"
+
 namespace ivory {
 
 struct RunResult {
@@ -19,7 +21,7 @@ struct RunResult {
 // `arguments` are the shell's; stderr is kept too where `with_errors`.
 inline RunResult run_ivory(const std::string& arguments, bool with_errors = true) {
   RunResult result;
-  const std::string command = std::string(IVORY_BINARY) + " " + arguments + (with_errors ? " 2>&1" : " 2>/dev/null");
+  const std::string command = std::string(ivory_binary) + " " + arguments + (with_errors ? " 2>&1" : " 2>/dev/null");
   FILE* pipe = popen(command.c_str(), "r");
   if (pipe == nullptr) return result;
   std::array<char, 4096> buffer;

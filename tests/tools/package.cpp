@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/command_test.h"
+#include "tests/support/paths.h"
 
 namespace ivory {
 
@@ -25,10 +26,10 @@ TEST_F(Package, ExampleBuildsAgainstItAndDraws) {
   GTEST_SKIP() << "the installed libraries need a program built with the same sanitizers";
 #endif
   const std::string prefix = path("prefix");
-  ASSERT_EQ(shell("cmake --install " IVORY_BUILD_DIR " --component runtime --prefix " + prefix), 0)
+  ASSERT_EQ(shell(std::string("cmake --install ") + build_folder + " --component runtime --prefix " + prefix), 0)
       << bytes_of(path("log"));
-  ASSERT_EQ(shell("cmake -S " IVORY_SOURCE_DIR "/runtime/example -B " + path("build") + " -DCMAKE_BUILD_TYPE=Release" +
-                  " -DCMAKE_PREFIX_PATH=" + prefix),
+  ASSERT_EQ(shell(std::string("cmake -S ") + source_folder + "/runtime/example -B " + path("build") +
+                  " -DCMAKE_BUILD_TYPE=Release" + " -DCMAKE_PREFIX_PATH=" + prefix),
             0)
       << bytes_of(path("log"));
   ASSERT_EQ(shell("cmake --build " + path("build")), 0) << bytes_of(path("log"));
@@ -57,10 +58,10 @@ TEST_F(Package, ExampleBuildsAgainstItAndDraws) {
 TEST_F(Package, CommandsHaveManPagesAndCompletion) {
   if (shell("command -v help2man") != 0) GTEST_SKIP() << "needs help2man (Debian package help2man)";
   const std::string prefix = path("prefix");
-  ASSERT_EQ(shell("cmake --install " IVORY_BUILD_DIR " --component tools --prefix " + prefix), 0)
+  ASSERT_EQ(shell(std::string("cmake --install ") + build_folder + " --component tools --prefix " + prefix), 0)
       << bytes_of(path("log"));
   std::ofstream(path("complete.bash")) << "source " << prefix << "/share/bash-completion/completions/ivory\n"
-                                       << "COMP_WORDS=(" IVORY_BINARY " \"$@\" ''); COMP_CWORD=$(($# + 1))\n"
+                                       << "COMP_WORDS=(" << ivory_binary << " \"$@\" ''); COMP_CWORD=$(($# + 1))\n"
                                        << "_ivory; printf '%s\\n' \"${COMPREPLY[@]}\"\n";
   std::size_t pages = 0;
   const std::function<void(const std::string&)> check = [&](const std::string& command) {

@@ -54,7 +54,7 @@ TEST(Probe, KeepsColumnsAndNormalisesNormals) {
 // from its 8 vertices a side is not: it is held to a fifth of the mean over the points.
 TEST(Probe, OfGridAndSceneAgree) {
   const auto folder = scratch_folder("probe_truth");
-  const std::string points = std::string(IVORY_SOURCE_DIR) + "/scenes/leak_axis_lit_points.csv";
+  const std::string points = std::string(source_folder) + "/scenes/leak_axis_lit_points.csv";
   ASSERT_EQ(ivory(folder, "bake grid " + scene + " --photons 400k -o x.vdb -q").exit_code, 0);
   ASSERT_EQ(ivory(folder, "probe x.vdb --points " + points + " -o grid.csv -q --scene " + scene).exit_code, 0);
   ASSERT_EQ(ivory(folder, "probe " + scene + " --points " + points + " -o truth.csv -q --indirect-only --samples 256")

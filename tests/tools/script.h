@@ -14,15 +14,17 @@
 #include <nlohmann/json.hpp>
 #include <sys/wait.h>
 
+#include "tests/support/paths.h"
+
 namespace ivory::script {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-inline const std::string scene = std::string(IVORY_SOURCE_DIR) + "/scenes/leak_axis.gltf";
+inline const std::string scene = std::string(source_folder) + "/scenes/leak_axis.gltf";
 
 inline fs::path scratch_folder(const std::string& name) {
-  const fs::path folder = fs::path(IVORY_TEST_DATA_DIR) / ("cli_" + name);
+  const fs::path folder = fs::path(output_folder) / ("cli_" + name);
   fs::remove_all(folder);
   fs::create_directories(folder);
   return folder;
@@ -43,7 +45,7 @@ struct Outcome {
 
 // Runs `ivory <arguments>` in `folder`.
 inline Outcome ivory(const fs::path& folder, const std::string& arguments) {
-  const std::string command = "cd '" + folder.string() + "' && '" IVORY_BINARY "' " + arguments + " 2> .stderr";
+  const std::string command = "cd '" + folder.string() + "' && '" + ivory_binary + "' " + arguments + " 2> .stderr";
   FILE* pipe = ::popen(command.c_str(), "r");
   Outcome outcome;
   std::array<char, 4096> buffer{};

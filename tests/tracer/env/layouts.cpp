@@ -14,6 +14,7 @@
 #include "grid/base/error.h"
 #include "grid/env/cube_from_latlong.h"
 #include "tests/support/environment_pictures.h"
+#include "tests/support/paths.h"
 #include "tests/support/scene_check.h"
 #include "tracer/env/irradiance.h"
 #include "tracer/env/latlong_map.h"
@@ -28,7 +29,7 @@ constexpr double pi_d = 3.14159265358979323846;
 class EnvironmentFiles : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(IVORY_TEST_DATA_DIR) / testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder_ = fs::path(output_folder) / testing::UnitTest::GetInstance()->current_test_info()->name();
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }
