@@ -13,6 +13,7 @@
 #include "grid/base/error.h"
 #include "grid/cubemap/captured.h"
 #include "grid/io/exr.h"
+#include "tests/support/paths.h"
 
 namespace ivory {
 namespace {
@@ -20,8 +21,8 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string path_of(const std::string& name) {
-  fs::create_directories(IVORY_TEST_DATA_DIR);
-  return std::string(IVORY_TEST_DATA_DIR) + "/localized_" + name;
+  fs::create_directories(output_folder);
+  return std::string(output_folder) + "/localized_" + name;
 }
 
 LocalizedCube any_cube(int size) {

@@ -14,6 +14,7 @@
 #include "grid/base/error.h"
 #include "grid/io/difmap.h"
 #include "grid/io/sh9.h"
+#include "tests/support/paths.h"
 
 namespace ivory {
 namespace {
@@ -24,7 +25,7 @@ using Json = nlohmann::json;
 class EnvironmentAssets : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(IVORY_TEST_DATA_DIR) / testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder_ = fs::path(output_folder) / testing::UnitTest::GetInstance()->current_test_info()->name();
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }

@@ -10,13 +10,14 @@
 #include "grid/base/error.h"
 #include "grid/io/exr.h"
 #include "grid/io/sphere_set.h"
+#include "tests/support/paths.h"
 
 namespace ivory {
 namespace {
 
 std::string path_of(const std::string& name) {
-  std::filesystem::create_directories(IVORY_TEST_DATA_DIR);
-  return std::string(IVORY_TEST_DATA_DIR) + "/" + name;
+  std::filesystem::create_directories(output_folder);
+  return std::string(output_folder) + "/" + name;
 }
 
 void write_text(const std::string& path, const std::string& text) { std::ofstream(path, std::ios::binary) << text; }
@@ -83,7 +84,7 @@ TEST(SpheresFile, RefusesWhatIsNoSphereSet) {
     EXPECT_THROW(read_spheres(path_of("bad.json")), Error) << text.substr(0, 80);
   }
   EXPECT_THROW(read_spheres(path_of("absent.json")), Error);
-  EXPECT_THROW(read_spheres(IVORY_TEST_DATA_DIR), Error);
+  EXPECT_THROW(read_spheres(output_folder), Error);
   EXPECT_FALSE(is_sphere_set(path_of("absent.json")));
   EXPECT_FALSE(is_sphere_set(path_of("bad.json")));
 }

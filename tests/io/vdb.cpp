@@ -6,6 +6,7 @@
 
 #include "grid/base/error.h"
 #include "tests/support/io_random.h"
+#include "tests/support/paths.h"
 
 namespace ivory {
 namespace {

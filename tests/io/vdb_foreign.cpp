@@ -12,6 +12,7 @@
 #include "grid/io/trial.h"
 #include "grid/io/vdb/vdb.h"
 #include "tests/support/io_random.h"
+#include "tests/support/paths.h"
 
 namespace ivory {
 namespace {

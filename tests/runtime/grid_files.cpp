@@ -11,6 +11,7 @@
 #include "grid/base/error.h"
 #include "grid/io/vdb/vdb.h"
 #include "tests/support/grid_twin.h"
+#include "tests/support/paths.h"
 #include "tests/support/run_ivory.h"
 
 namespace ivory {
@@ -20,7 +21,7 @@ namespace {
 class RuntimeGridFile : public GlTest {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::path(IVORY_TEST_DATA_DIR) / "runtime_grid" /
+    folder_ = std::filesystem::path(output_folder) / "runtime_grid" /
               testing::UnitTest::GetInstance()->current_test_info()->name();
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
@@ -28,7 +29,7 @@ class RuntimeGridFile : public GlTest {
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
   std::string bake(const std::string& scene, const std::string& options) const {
     const std::string out = path("grid.vdb");
-    const RunResult result = run_ivory("bake grid '" + std::string(IVORY_SOURCE_DIR) + "/scenes/" + scene + "' -o '" +
+    const RunResult result = run_ivory("bake grid '" + std::string(source_folder) + "/scenes/" + scene + "' -o '" +
                                        out + "' --photons 200k --quiet --force " + options);
     EXPECT_EQ(result.exit_code, 0) << result.output;
     return out;
@@ -241,8 +242,8 @@ TEST_F(RuntimeGridFile, WhatCannotBeLoadedIsSaid) {
   std::string broken = bytes;
   broken[bytes.size() / 2] = char(broken[bytes.size() / 2] ^ 0x10);
   expect_refused(write("broken.vdb", broken), "is damaged");
-  ASSERT_EQ(run_ivory("bake grid '" + std::string(IVORY_SOURCE_DIR) + "/scenes/cornell_box.gltf' -o '" +
-                      path("part.vdb") + "' --resolution 8 --photons 20k --photon-range 0:10k --quiet")
+  ASSERT_EQ(run_ivory("bake grid '" + std::string(source_folder) + "/scenes/cornell_box.gltf' -o '" + path("part.vdb") +
+                      "' --resolution 8 --photons 20k --photon-range 0:10k --quiet")
                 .exit_code,
             0);
   expect_refused(path("part.vdb"), "partial bake");

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/gl/shader_source.h"
+#include "tests/support/paths.h"
 
 namespace ivory {
 
@@ -50,7 +51,7 @@ std::string output_of(const std::string& command) {
 TEST(RuntimeShaders, AreStrictGlsl330) {
   if (std::system("command -v glslangValidator >/dev/null") != 0)
     GTEST_SKIP() << "needs glslangValidator (Debian package glslang-tools)";
-  const std::filesystem::path folder = std::filesystem::path(IVORY_TEST_DATA_DIR) / "shaders";
+  const std::filesystem::path folder = std::filesystem::path(output_folder) / "shaders";
   std::filesystem::create_directories(folder);
   const auto check = [&](const std::string& what, const std::string& source, const char* extension) {
     const std::string path = (folder / (std::string("shader.") + extension)).string();

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/paths.h"
 #include "tests/support/run_ivory.h"
 
 namespace ivory {
@@ -23,12 +24,12 @@ class CommandTest : public testing::Test {
  protected:
   void SetUp() override {
     const testing::TestInfo* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::path(IVORY_TEST_DATA_DIR) / (std::string(info->test_suite_name()) + "_" + info->name());
+    folder_ = std::filesystem::path(output_folder) / (std::string(info->test_suite_name()) + "_" + info->name());
     std::filesystem::remove_all(folder_);
     std::filesystem::create_directories(folder_);
   }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  static std::string scene(const std::string& name) { return std::string(IVORY_SOURCE_DIR) + "/scenes/" + name; }
+  static std::string scene(const std::string& name) { return std::string(source_folder) + "/scenes/" + name; }
 
   // The result object of a command that must end well.
   static nlohmann::json run(const std::string& arguments) {

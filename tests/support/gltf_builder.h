@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "grid/base/types.h"
+#include "tests/support/paths.h"
 
 namespace ivory {
 
@@ -62,7 +63,7 @@ struct GltfBuilder {
     const testing::TestInfo* test = testing::UnitTest::GetInstance()->current_test_info();
     std::string name = std::string(test->test_suite_name()) + "_" + test->name();
     std::replace(name.begin(), name.end(), '/', '_');
-    const std::string path = std::string(IVORY_TEST_DATA_DIR) + "/" + name;
+    const std::string path = std::string(output_folder) + "/" + name;
     std::filesystem::create_directories(path);
     return path;
   }

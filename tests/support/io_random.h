@@ -11,6 +11,7 @@
 
 #include "grid/field/accumulator.h"
 #include "grid/field/irradiance_grid.h"
+#include "tests/support/paths.h"
 
 namespace ivory::test {
 
@@ -102,7 +103,7 @@ inline void write_bytes(const std::string& path, const std::string& bytes) {
 
 // A fresh folder for one test.
 inline std::filesystem::path scratch_folder(const std::string& name) {
-  const auto folder = std::filesystem::path(IVORY_TEST_DATA_DIR) / name;
+  const auto folder = std::filesystem::path(output_folder) / name;
   std::filesystem::remove_all(folder);
   std::filesystem::create_directories(folder);
   return folder;

@@ -3,9 +3,13 @@
 
 #include <array>
 #include <cstdio>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include <sys/wait.h>
+
+#include "tests/support/paths.h"
 
 namespace ivory {
 
@@ -17,7 +21,7 @@ struct RunResult {
 // `arguments` are the shell's; stderr is kept too where `with_errors`.
 inline RunResult run_ivory(const std::string& arguments, bool with_errors = true) {
   RunResult result;
-  const std::string command = std::string(IVORY_BINARY) + " " + arguments + (with_errors ? " 2>&1" : " 2>/dev/null");
+  const std::string command = std::string(ivory_binary) + " " + arguments + (with_errors ? " 2>&1" : " 2>/dev/null");
   FILE* pipe = popen(command.c_str(), "r");
   if (pipe == nullptr) return result;
   std::array<char, 4096> buffer;
@@ -26,6 +30,20 @@ inline RunResult run_ivory(const std::string& arguments, bool with_errors = true
   const int status = pclose(pipe);
   if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
   return result;
+}
+
+// What the help page lists as commands below its own: "grid" of `ivory bake --help`.
+inline std::vector<std::string> listed_commands(const std::string& page) {
+  std::vector<std::string> commands;
+  const std::size_t list = page.find("Subcommands:\n");
+  if (list == std::string::npos) return commands;
+  std::istringstream lines(page.substr(list));
+  std::string line;
+  std::getline(lines, line);
+  while (std::getline(lines, line) && line.starts_with("  ")) {
+    if (line[2] != ' ') commands.push_back(line.substr(2, line.find(' ', 2) - 2));
+  }
+  return commands;
 }
 
 }  // namespace ivory

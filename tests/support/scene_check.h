@@ -10,12 +10,13 @@
 
 namespace ivory {
 
-// The folder of shared test data; empty where it is absent.
-inline std::string shared_data() {
-  const char* chosen = std::getenv("IVORY_DATA");
-  const std::string folder = chosen != nullptr ? chosen : IVORY_SOURCE_DIR "/../shared/data";
-  return std::filesystem::is_directory(folder) ? folder : "";
+// The folder of sample data, which IVORY_DATA names; empty where it names none. Tests that need it are skipped then,
+// with a message that says no_sample_data.
+inline std::string sample_data() {
+  const char* folder = std::getenv("IVORY_DATA");
+  return folder != nullptr && std::filesystem::is_directory(folder) ? folder : "";
 }
+inline constexpr const char* no_sample_data = "needs the sample data: set IVORY_DATA to its folder";
 
 namespace scene_check {
 

@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include "tests/support/command_test.h"
+#include "tests/support/paths.h"
 
 namespace ivory {
 namespace {
@@ -212,9 +213,9 @@ TEST_F(ChartCommand, GuardsItsResults) {
 
   // A disk that is full in the middle of a record, by a limit of 512-byte blocks.
   const std::string whole = read("results.jsonl");
-  const std::string limited = "ulimit -f " + std::to_string(whole.size() / 512 + 1) +
-                              "; exec " IVORY_BINARY " chart sh9 --threads 1 --quiet -o " + path("out") +
-                              " --only sh9/sky/sh/order_1 > " + path("said") + " 2>&1";
+  const std::string limited = "ulimit -f " + std::to_string(whole.size() / 512 + 1) + "; exec " + ivory_binary +
+                              " chart sh9 --threads 1 --quiet -o " + path("out") + " --only sh9/sky/sh/order_1 > " +
+                              path("said") + " 2>&1";
   EXPECT_EQ(WEXITSTATUS(std::system(limited.c_str())), 1);
   EXPECT_NE(bytes_of(path("said")).find("results.jsonl: cannot be written"), std::string::npos)
       << bytes_of(path("said"));
@@ -270,11 +271,11 @@ std::string shell(const std::string& words) {
 }
 
 TEST_F(ChartCommand, EndsWithItsCommand) {
-  EXPECT_EQ(shell(script(IVORY_BINARY, path("out"), "kill -TERM $run")), "1\n");
+  EXPECT_EQ(shell(script(ivory_binary, path("out"), "kill -TERM $run")), "1\n");
   EXPECT_NE(bytes_of(path("out.said")).find("ivory: interrupted"), std::string::npos) << bytes_of(path("out.said"));
 
   // A build that changes under it.
-  fs::copy_file(IVORY_BINARY, path("ivory"));
+  fs::copy_file(ivory_binary, path("ivory"));
   EXPECT_EQ(shell(script(path("ivory"), path("other"), "touch " + path("ivory"))), "1\n");
   EXPECT_NE(bytes_of(path("other.said")).find("was built anew"), std::string::npos) << bytes_of(path("other.said"));
 }

@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/environment_pictures.h"
+#include "tests/support/paths.h"
 #include "tests/support/run_ivory.h"
 #include "tracer/image/file.h"
 
@@ -26,7 +27,7 @@ using Json = nlohmann::json;
 class EnvironmentTools : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(IVORY_TEST_DATA_DIR) / testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder_ = fs::path(output_folder) / testing::UnitTest::GetInstance()->current_test_info()->name();
     fs::remove_all(folder_);
     fs::create_directories(folder_);
     std::ofstream(path("p.csv")) << "x,y,z,nx,ny,nz\n0,0,0,0,1,0\n5,-7,9,0,-1,0\n0,0,0,1,0,0\n1,0,0,0.6,0,-0.8\n";
@@ -182,7 +183,7 @@ TEST_F(EnvironmentTools, TheSameCommandGivesTheSameBytes) {
 }
 
 TEST_F(EnvironmentTools, ScenesAcceptEveryLayout) {
-  const std::string scene = std::string(IVORY_SOURCE_DIR) + "/scenes/leak_axis.gltf";
+  const std::string scene = std::string(source_folder) + "/scenes/leak_axis.gltf";
   for (const EnvironmentLayout layout : {EnvironmentLayout::latlong, EnvironmentLayout::horizontal_cross}) {
     const std::string label(name(layout));
     write(label + ".exr", layout, 32, slope);
@@ -204,7 +205,7 @@ TEST_F(EnvironmentTools, DifMapIsWhatThePathTracerFindsFarFromEverything) {
     run("bake difmap " + path("rough.exr") + " --force -o " + path("rough_difmap.exr"));
     const std::string tail = " --points " + path("far.csv") + " --force -o ";
     run("probe " + path("rough_difmap.exr") + tail + path("map.csv"));
-    run("probe " + std::string(IVORY_SOURCE_DIR) + "/scenes/cornell_box.gltf --env " + path("rough.exr") +
+    run("probe " + std::string(source_folder) + "/scenes/cornell_box.gltf --env " + path("rough.exr") +
         " --samples 4k" + tail + path("traced.csv"));
     const auto rows = [&](const std::string& name) {
       std::ifstream file(path(name));
@@ -254,12 +255,12 @@ TEST_F(EnvironmentTools, BadInputIsOneLine) {
   expect_refused("bake difmap " + good + exr + " --size 0", 2, "--size");
   expect_refused("bake difmap " + good + exr + " --size 5000", 2, "--size");
   expect_refused("bake sh9 " + path("missing.exr") + json, 1, "missing.exr");
-  expect_refused("bake sh9 " + std::string(IVORY_SOURCE_DIR) + "/README.md" + json, 1, "README.md");
+  expect_refused("bake sh9 " + std::string(source_folder) + "/README.md" + json, 1, "README.md");
   fs::copy_file(good, path("cut.exr"));
   fs::resize_file(path("cut.exr"), fs::file_size(good) / 2);
   expect_refused("bake sh9 " + path("cut.exr") + json, 1, "cut.exr");
   expect_refused("bake difmap " + path("cut.exr") + exr, 1, "cut.exr");
-  expect_refused("render " + std::string(IVORY_SOURCE_DIR) + "/scenes/leak_axis.gltf --layout cube" + exr, 2, "--env");
+  expect_refused("render " + std::string(source_folder) + "/scenes/leak_axis.gltf --layout cube" + exr, 2, "--env");
   EXPECT_FALSE(fs::exists(path("x.json")));
   EXPECT_FALSE(fs::exists(path("x.exr")));
 

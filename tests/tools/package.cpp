@@ -1,10 +1,13 @@
 // The installed package: found by CMake, built against, run.
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
+#include <functional>
 
 #include <gtest/gtest.h>
 
 #include "tests/support/command_test.h"
+#include "tests/support/paths.h"
 
 namespace ivory {
 
@@ -23,10 +26,10 @@ TEST_F(Package, ExampleBuildsAgainstItAndDraws) {
   GTEST_SKIP() << "the installed libraries need a program built with the same sanitizers";
 #endif
   const std::string prefix = path("prefix");
-  ASSERT_EQ(shell("cmake --install " IVORY_BUILD_DIR " --component runtime --prefix " + prefix), 0)
+  ASSERT_EQ(shell(std::string("cmake --install ") + build_folder + " --component runtime --prefix " + prefix), 0)
       << bytes_of(path("log"));
-  ASSERT_EQ(shell("cmake -S " IVORY_SOURCE_DIR "/runtime/example -B " + path("build") + " -DCMAKE_BUILD_TYPE=Release" +
-                  " -DCMAKE_PREFIX_PATH=" + prefix),
+  ASSERT_EQ(shell(std::string("cmake -S ") + source_folder + "/runtime/example -B " + path("build") +
+                  " -DCMAKE_BUILD_TYPE=Release" + " -DCMAKE_PREFIX_PATH=" + prefix),
             0)
       << bytes_of(path("log"));
   ASSERT_EQ(shell("cmake --build " + path("build")), 0) << bytes_of(path("log"));
@@ -49,6 +52,36 @@ TEST_F(Package, ExampleBuildsAgainstItAndDraws) {
   std::ofstream(path("foreign.vdb")) << "not a grid";
   EXPECT_NE(shell(xvfb + path("build/ivory_example") + " " + path("foreign.vdb") + " 3"), 0);
   EXPECT_NE(bytes_of(path("log")).find("foreign.vdb"), std::string::npos) << bytes_of(path("log"));
+}
+
+// For every command a man page, and a word that bash completes.
+TEST_F(Package, CommandsHaveManPagesAndCompletion) {
+  if (shell("command -v help2man") != 0) GTEST_SKIP() << "needs help2man (Debian package help2man)";
+  const std::string prefix = path("prefix");
+  ASSERT_EQ(shell(std::string("cmake --install ") + build_folder + " --component tools --prefix " + prefix), 0)
+      << bytes_of(path("log"));
+  std::ofstream(path("complete.bash")) << "source " << prefix << "/share/bash-completion/completions/ivory\n"
+                                       << "COMP_WORDS=(" << ivory_binary << " \"$@\" ''); COMP_CWORD=$(($# + 1))\n"
+                                       << "_ivory; printf '%s\\n' \"${COMPREPLY[@]}\"\n";
+  std::size_t pages = 0;
+  const std::function<void(const std::string&)> check = [&](const std::string& command) {
+    std::string name = "ivory" + command;
+    std::replace(name.begin(), name.end(), ' ', '-');
+    const std::string page = bytes_of(prefix + "/share/man/man1/" + name + ".1");
+    EXPECT_NE(page.find("\n.SH NAME\n"), std::string::npos) << name;
+    ++pages;
+    std::string expected;
+    for (const std::string& below : listed_commands(run_ivory(command + " --help").output)) {
+      expected += below + "\n";
+      EXPECT_NE(page.find(below), std::string::npos) << name << " does not list " << below;
+      check(command + " " + below);
+    }
+    if (expected.empty()) return;
+    EXPECT_EQ(shell("bash " + path("complete.bash") + command), 0);
+    EXPECT_EQ(bytes_of(path("log")), expected);
+  };
+  check("");
+  EXPECT_GE(pages, 20);
 }
 
 }  // namespace

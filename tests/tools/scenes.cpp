@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "grid/base/types.h"
+#include "tests/support/paths.h"
 #include "tracer/core/scene.h"
 #include "tracer/gltf/loader.h"
 
@@ -23,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path scenes_folder = fs::path(IVORY_SOURCE_DIR) / "scenes";
+const fs::path scenes_folder = fs::path(source_folder) / "scenes";
 
 struct Expected {
   const char* file;
@@ -224,7 +225,7 @@ INSTANTIATE_TEST_SUITE_P(Scenes, BundledScene, testing::ValuesIn(expectations())
 
 TEST(BundledScenes, AreWhatTheScriptWrites) {
   if (std::system("python3 -c 'import sys' >/dev/null 2>&1") != 0) GTEST_SKIP() << "python3 is not installed";
-  const fs::path folder = fs::path(IVORY_TEST_DATA_DIR) / "make_scenes";
+  const fs::path folder = fs::path(output_folder) / "make_scenes";
   fs::remove_all(folder);
   fs::create_directories(folder);
   const std::string command = "PYTHONDONTWRITEBYTECODE=1 python3 '" + (scenes_folder / "make_scenes.py").string() +

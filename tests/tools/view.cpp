@@ -11,6 +11,7 @@
 #include "grid/base/types.h"
 #include "tests/support/command_test.h"
 #include "tests/support/gltf_builder.h"
+#include "tests/support/paths.h"
 #include "tracer/image/compare.h"
 #include "tracer/image/file.h"
 
@@ -23,14 +24,14 @@ using Json = nlohmann::json;
 class ViewCommand : public CommandTest {
  protected:
   static void SetUpTestSuite() {
-    fs::create_directories(IVORY_TEST_DATA_DIR);
+    fs::create_directories(output_folder);
     const RunResult bake = run_ivory("bake grid " + room() + " -o " + grid() +
                                      " --resolution 20,12,16 --photons 300k --guard planes --threads 2 --force");
     ASSERT_EQ(bake.exit_code, 0) << bake.output;
   }
   // Walls at an angle to the grid, a light in the middle, purely Lambertian.
   static std::string room() { return scene("room_boxes_rotated.gltf"); }
-  static std::string grid() { return (fs::path(IVORY_TEST_DATA_DIR) / "view_room.vdb").string(); }
+  static std::string grid() { return (fs::path(output_folder) / "view_room.vdb").string(); }
 
   static Json view(const std::string& arguments) { return run("view --headless --size 160x120 --force " + arguments); }
   // The picture that the arguments draw, as linear light or numbers.

@@ -10,6 +10,7 @@
 #include "grid/base/types.h"
 #include "tests/support/command_test.h"
 #include "tests/support/gltf_builder.h"
+#include "tests/support/paths.h"
 #include "tracer/image/compare.h"
 #include "tracer/image/file.h"
 
@@ -53,7 +54,7 @@ class ViewWindow : public CommandTest {
   Json run_window(const std::string& arguments, const std::string& events) const {
     std::ofstream(path("session.sh"))
         << "cd '" << folder_.string() << "'\n"
-        << IVORY_BINARY << " view " << arguments << " --json > result.json 2> errors &\n"
+        << ivory_binary << " view " << arguments << " --json > result.json 2> errors &\n"
         << "viewer=$!\n"
            "trap 'kill $viewer 2>/dev/null' EXIT\n"
            "W=$(timeout 60 xdotool search --sync --onlyvisible --name '^ivory - ' | head -1)\n"

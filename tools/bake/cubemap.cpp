@@ -6,7 +6,6 @@
 #include <memory>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -141,47 +140,43 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& co
 
 }  // namespace
 
-void add_bake_cubemap_command(CLI::App& bake, CommonOptions& common) {
-  auto* command = bake.add_subcommand(
+void add_bake_cubemap_command(Command bake, CommonOptions& common) {
+  Command command = bake.add_subcommand(
       "cubemap", "Bake what arrives at a point into a localized cube map (.exr), to light objects that move near it");
   auto options = std::make_shared<BakeCubemapOptions>();
-  command->add_option("scene", options->scene, "Scene: .gltf or .glb, metres, +Y up")->required()->type_name("SCENE");
-  command->add_option("-o,--output", options->output, "Cube map to write, .exr")->required()->type_name("OUT.exr");
+  command.add_option("scene", options->scene, "Scene: .gltf or .glb, metres, +Y up").required().type_name("SCENE");
+  command.add_option("-o,--output", options->output, "Cube map to write, .exr").required().type_name("OUT.exr");
   command
-      ->add_option_function<std::string>(
+      .add_option(
           "--at", [options](const std::string& text) { options->at = parse_vector3("--at", text); },
           "The reference point in metres")
-      ->required()
-      ->type_name("X,Y,Z");
-  command->add_option("--size", options->size, "Texels along an edge of the six faces; divides --capture")
-      ->check(CLI::Range(1, largest_localized_size))
-      ->capture_default_str();
-  command->add_option("--capture", options->capture, "Texels along an edge while capturing")
-      ->check(CLI::Range(1, 4096))
-      ->capture_default_str();
-  add_count_option(*command, "--samples", options->samples, 1, 1'000'000, "Paths a captured texel");
-  add_count_option(*command, "--seed", options->seed, "Seed of the random numbers");
-  add_environment_options(*command, options->environment);
+      .required()
+      .type_name("X,Y,Z");
+  command.add_option("--size", options->size, "Texels along an edge of the six faces; divides --capture")
+      .within(1, largest_localized_size);
+  command.add_option("--capture", options->capture, "Texels along an edge while capturing").within(1, 4096);
+  command.add_count("--samples", options->samples, 1, 1'000'000, "Paths a captured texel");
+  command.add_count("--seed", options->seed, "Seed of the random numbers");
+  add_environment_options(command, options->environment);
   command
-      ->add_option("--without", options->without,
-                   "A node of the scene to leave out, with all below it: an object\nthat will move; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("NODE");
-  options->grid = add_grid_options(*command, "Baked grid that indirect light is read from [path traced]");
+      .add_option("--without", options->without,
+                  "A node of the scene to leave out, with all below it: an object\nthat will move; may be repeated")
+      .repeated()
+      .type_name("NODE");
+  options->grid = add_grid_options(command, "Baked grid that indirect light is read from [path traced]");
   command
-      ->add_option("--shell", options->shell,
-                   "How corners of texels are placed: by least squares over all distances, at the distance\n"
-                   "right there, or at the mean distance around")
-      ->check(CLI::IsMember({"fitted", "corners", "averaged"}))
-      ->capture_default_str();
-  command->footer(
+      .add_option("--shell", options->shell,
+                  "How corners of texels are placed: by least squares over all distances, at the distance\n"
+                  "right there, or at the mean distance around")
+      .one_of({"fitted", "corners", "averaged"});
+  command.footer(
       "All light that arrives is captured, straight from emissive surfaces and the sky too, but not that of\n"
       "point, spot and directional lights, which are sampled when rendering.\n"
       "The same command gives the same bytes with any --threads.\n"
-      "Examples:\n"
+      "\nExamples:\n"
       "  ivory bake cubemap room.glb --at 0,1,0 -o room.exr\n"
       "  ivory render room.glb --method cubemap --cubemap room.exr --object ball.glb@0.5,1,0 -o picture.exr");
-  set_action(*command, common, Output::file, [options, &common] { run_bake_cubemap(*options, common); });
+  set_action(command, common, Output::file, [options, &common] { run_bake_cubemap(*options, common); });
 }
 
 }  // namespace ivory

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -73,26 +72,25 @@ void run_bake_difmap(const BakeDifmapOptions& options, const CommonOptions& comm
 
 }  // namespace
 
-void add_bake_difmap_command(CLI::App& bake, CommonOptions& common) {
-  auto* command = bake.add_subcommand("difmap", "Irradiance of an environment map for every normal, a cube map (.exr)");
+void add_bake_difmap_command(Command bake, CommonOptions& common) {
+  Command command =
+      bake.add_subcommand("difmap", "Irradiance of an environment map for every normal, a cube map (.exr)");
   auto options = std::make_shared<BakeDifmapOptions>();
-  command->add_option("environment", options->environment.path, "Environment map in nits: .exr, .hdr or other image")
-      ->required()
-      ->type_name("ENV");
-  command->add_option("-o,--output", options->output, "Cube map to write, .exr: six faces with envmap = cube")
-      ->required()
-      ->type_name("OUT.exr");
-  add_layout_option(*command, options->environment);
-  command->add_option("--size", options->size, "Texels along an edge of a face")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
-  command->footer(
+  command.add_option("environment", options->environment.path, "Environment map in nits: .exr, .hdr or other image")
+      .required()
+      .type_name("ENV");
+  command.add_option("-o,--output", options->output, "Cube map to write, .exr: six faces with envmap = cube")
+      .required()
+      .type_name("OUT.exr");
+  add_layout_option(command, options->environment);
+  command.add_option("--size", options->size, "Texels along an edge of a face").within(1, 1024);
+  command.footer(
       "--json: read_seconds is the time to load the map, bake_seconds that of its irradiance with the bound on its\n"
       "error; the rest of the command's time goes into comparing SH9 with it and writing the file.\n"
-      "Examples:\n"
+      "\nExamples:\n"
       "  ivory bake difmap sky.exr -o sky_difmap.exr\n"
       "  ivory bake difmap probe.hdr -o probe_difmap.exr --layout angular --size 32");
-  set_action(*command, common, Output::file, [options, &common] { run_bake_difmap(*options, common); });
+  set_action(command, common, Output::file, [options, &common] { run_bake_difmap(*options, common); });
 }
 
 }  // namespace ivory

@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -37,7 +36,6 @@ FivParams params_of(const BakeFivOptions& options) {
   FivParams params = options.params;
   params.samples = parse_size3("--samples", options.samples, 2);
   if (params.samples.x < 3) throw UsageError("--samples: at least 3 azimuths are needed");
-  if (params.hemispheres != 1 && params.hemispheres != 6) throw UsageError("--hemispheres must be 1 or 6");
   return params;
 }
 
@@ -115,53 +113,46 @@ void run_bake_fiv(const BakeFivOptions& options, const CommonOptions& common) {
 
 }  // namespace
 
-void add_bake_fiv_command(CLI::App& bake, CommonOptions& common) {
-  auto* command = bake.add_subcommand(
+void add_bake_fiv_command(Command bake, CommonOptions& common) {
+  Command command = bake.add_subcommand(
       "fiv", "Bake what a moving mesh hides of an environment's light into an FIV occluder table (.exr)");
   auto options = std::make_shared<BakeFivOptions>();
-  command->add_option("mesh", options->mesh, "Occluder: all triangles of a .gltf or .glb file")
-      ->required()
-      ->type_name("MESH");
-  command->add_option("-o,--output", options->output, "Table to write, .exr")->required()->type_name("OUT.exr");
-  add_environment_options(*command, options->environment);
-  command->get_option("--env")->required();
-  command->add_option("--samples", options->samples, "Samples in azimuth, polar angle and distance")
-      ->capture_default_str()
-      ->type_name("NA,NP,ND");
+  command.add_option("mesh", options->mesh, "Occluder: all triangles of a .gltf or .glb file")
+      .required()
+      .type_name("MESH");
+  command.add_option("-o,--output", options->output, "Table to write, .exr").required().type_name("OUT.exr");
+  add_environment_options(command, options->environment);
+  command.get_option("--env").required();
+  command.add_option("--samples", options->samples, "Samples in azimuth, polar angle and distance")
+      .type_name("NA,NP,ND");
   command
-      ->add_option("--hemispheres", options->params.hemispheres,
-                   "1: one vector per colour and sample, as published; 6: the vectors of six hemispheres, four\n"
-                   "times the memory, right where the occluder reaches below a receiver's plane")
-      ->check(CLI::IsMember({1, 6}))
-      ->capture_default_str();
-  command->add_option("--precision", options->precision, "Of the file's numbers")
-      ->check(CLI::IsMember({"float32", "float16"}))
-      ->capture_default_str();
+      .add_option("--hemispheres", options->params.hemispheres,
+                  "1: one vector per colour and sample, as published; 6: the vectors of six hemispheres, four\n"
+                  "times the memory, right where the occluder reaches below a receiver's plane")
+      .one_of({"1", "6"});
+  command.add_option("--precision", options->precision, "Of the file's numbers").one_of({"float32", "float16"});
   command
-      ->add_option("--env-size", options->params.environment_size,
-                   "Dim parts of the environment are merged to a cube of that many texels a face's edge")
-      ->check(CLI::Range(1, 512))
-      ->capture_default_str();
-  add_count_option(*command, "--parts", options->params.parts, 1, 1'000'000,
-                   "Bright parts stay apart, as fine as the map is, until none carries more than 1 / PARTS of\n"
-                   "all light; 1 merges them too");
-  command->add_option("--farthest", options->params.farthest, "Outermost sphere, in radii of the bounding sphere")
-      ->check(within(1.5, 1000.0), "in [1.5 - 1000]")
-      ->capture_default_str();
+      .add_option("--env-size", options->params.environment_size,
+                  "Dim parts of the environment are merged to a cube of that many texels a face's edge")
+      .within(1, 512);
+  command.add_count("--parts", options->params.parts, 1, 1'000'000,
+                    "Bright parts stay apart, as fine as the map is, until none carries more than 1 / PARTS of\n"
+                    "all light; 1 merges them too");
+  command.add_option("--farthest", options->params.farthest, "Outermost sphere, in radii of the bounding sphere")
+      .within(1.5, 1000.0);
   command
-      ->add_option("--silhouette", options->params.silhouette_pixels,
-                   "Pixels across the bounding sphere by which the mesh's outline is known; half as many for\n"
-                   "dim parts of the environment, four times as many for the brightest")
-      ->check(CLI::Range(8, 1024))
-      ->capture_default_str();
-  command->footer(
+      .add_option("--silhouette", options->params.silhouette_pixels,
+                  "Pixels across the bounding sphere by which the mesh's outline is known; half as many for\n"
+                  "dim parts of the environment, four times as many for the brightest")
+      .within(8, 1024);
+  command.footer(
       "The table serves the mesh wherever it is moved to, evenly scaled, under that environment, not turned.\n"
       "The same command gives the same bytes with any --threads.\n"
-      "Examples:\n"
+      "\nExamples:\n"
       "  ivory bake fiv bunny.glb --env sky.hdr -o bunny.exr --hemispheres 6\n"
       "  ivory render plaza.glb --env sky.hdr --object bunny.glb@1,0,2 --occluder bunny=bunny.exr --method fiv -o "
       "a.png");
-  set_action(*command, common, Output::file, [options, &common] { run_bake_fiv(*options, common); });
+  set_action(command, common, Output::file, [options, &common] { run_bake_fiv(*options, common); });
 }
 
 }  // namespace ivory

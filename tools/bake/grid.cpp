@@ -1,7 +1,6 @@
 // ivory bake grid: photons through a scene into an irradiance-vector grid.
 #include <chrono>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -23,6 +22,7 @@ struct BakeGridOptions {
   std::string basis = "vectors";
   std::string estimator = "track";
   std::string guard = "rays";
+  std::vector<std::string> dynamic;  // regions
   std::uint64_t seed = 1;
   GridBakeParams params;
 };
@@ -59,6 +59,7 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   params.estimator = estimator_from_name(options.estimator);
   params.guard = guard_from_name(options.guard);
   params.seed = options.seed;
+  if (!options.dynamic.empty()) params.dynamic_regions = parse_regions(options.dynamic);
   params.threads = thread_count(common);
   sum_layout(params.basis, params.estimator);  // refuses bases that the estimator cannot fill
   if (params.photon_range && params.photons != 0 && params.photon_range->second > params.photons) {
@@ -99,88 +100,81 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
 
 }  // namespace
 
-void add_bake_grid_command(CLI::App& bake, CommonOptions& common) {
-  auto* command = bake.add_subcommand("grid", "Bake a scene's indirect light into an irradiance-vector grid (.vdb)");
+void add_bake_grid_command(Command bake, CommonOptions& common) {
+  Command command = bake.add_subcommand("grid", "Bake a scene's indirect light into an irradiance-vector grid (.vdb)");
   auto options = std::make_shared<BakeGridOptions>();
   GridBakeParams& params = options->params;
-  command->add_option("scene", options->scene, "Scene: .gltf or .glb, metres, +Y up")->required()->type_name("SCENE");
-  command->add_option("-o,--output", options->output, "Grid to write, .vdb")->required()->type_name("OUT.vdb");
+  command.add_option("scene", options->scene, "Scene: .gltf or .glb, metres, +Y up").required().type_name("SCENE");
+  command.add_option("-o,--output", options->output, "Grid to write, .vdb").required().type_name("OUT.vdb");
   command
-      ->add_option_function<std::string>(
+      .add_option(
           "--bounds", [&params](const std::string& text) { params.bounds = parse_bounds(text); },
           "What the grid covers, in metres: the rest of the scene sends light and shadows into it but\n"
           "stores none, and points outside read the nearest vertices [the whole scene]")
-      ->type_name("X0,Y0,Z0:X1,Y1,Z1");
+      .type_name("X0,Y0,Z0:X1,Y1,Z1");
   command
-      ->add_option("--rotate-y", params.rotate_y_deg,
-                   "Turns the grid about the vertical axis through its middle, counter-clockwise as seen from\n"
-                   "above: --bounds is given before the turn; without it the turned grid covers the whole scene")
-      ->check(within(-360.0, 360.0), "in [-360 - 360]")
-      ->type_name("DEGREES");
+      .add_option("--rotate-y", params.rotate_y_deg,
+                  "Turns the grid about the vertical axis through its middle, counter-clockwise as seen from\n"
+                  "above: --bounds is given before the turn; without it the turned grid covers the whole scene")
+      .within(-360.0, 360.0)
+      .type_name("DEGREES");
 
-  auto* resolution = command->add_option_function<std::string>(
+  Option resolution = command.add_option(
       "--resolution", [&params](const std::string& text) { params.resolution = parse_size3("--resolution", text, 2); },
       "Vertices along x, y and z, or one number for all [32 along the longest side]");
-  resolution->type_name("NX,NY,NZ");
+  resolution.type_name("NX,NY,NZ");
   command
-      ->add_option_function<float>(
-          "--voxel-size", [&params](float metres) { params.voxel_size_m = metres; },
-          "Distance between vertices in metres, the same along x, y and z")
-      ->check(CLI::PositiveNumber)
-      ->type_name("METRES")
-      ->excludes(resolution);
+      .add_option("--voxel-size", params.voxel_size_m, "Distance between vertices in metres, the same along x, y and z")
+      .positive()
+      .type_name("METRES")
+      .excludes(resolution);
   command
-      ->add_option_function<std::vector<std::string>>(
-          "--dynamic",
-          [&params](const std::vector<std::string>& regions) { params.dynamic_regions = parse_regions(regions); },
-          "Where objects will move: a box X0,Y0,Z0:X1,Y1,Z1 in metres, or none; may be repeated. Away from\n"
-          "surfaces only vertices in these are stored [everywhere]")
-      ->allow_extra_args(false)
-      ->type_name("none|BOX");
+      .add_option("--dynamic", options->dynamic,
+                  "Where objects will move: a box X0,Y0,Z0:X1,Y1,Z1 in metres, or none; may be repeated. Away from\n"
+                  "surfaces only vertices in these are stored [everywhere]")
+      .repeated()
+      .type_name("none|BOX");
   command
-      ->add_option_function<std::string>(
+      .add_option(
           "--photons",
           [&params](const std::string& text) {
             params.photons = parse_count("--photons", text);
             if (params.photons == 0) throw UsageError("--photons must be at least 1");
           },
           "Photons of the whole bake; k, m, g are allowed [256 a vertex, at least 1m]")
-      ->type_name("COUNT");
+      .type_name("COUNT");
   command
-      ->add_option_function<std::string>(
+      .add_option(
           "--photon-range",
           [&params](const std::string& text) { params.photon_range = parse_range("--photon-range", text); },
           "Trace photons A to B-1 of --photons only and write their sums, a part\nfor 'ivory merge'")
-      ->type_name("A:B");
-  add_count_option(*command, "--seed", options->seed, "Seed of the random numbers");
-  add_count_option(*command, "--bounces", params.max_bounces, 1, 1'000'000,
-                   "Surfaces a photon may scatter at; Russian roulette ends most before");
-  command->add_flag("--direct", params.include_direct, "Store light straight from its sources too");
-  add_environment_options(*command, options->environment);
-  command->add_option("--basis", options->basis, "Directional basis stored at each vertex")
-      ->check(CLI::IsMember({"vectors", "vectors9", "sh9", "ambient_cube", "sh4"}))
-      ->capture_default_str();
+      .type_name("A:B");
+  command.add_count("--seed", options->seed, "Seed of the random numbers");
+  command.add_count("--bounces", params.max_bounces, 1, 1'000'000,
+                    "Surfaces a photon may scatter at; Russian roulette ends most before");
+  command.add_flag("--direct", params.include_direct, "Store light straight from its sources too");
+  add_environment_options(command, options->environment);
+  command.add_option("--basis", options->basis, "Directional basis stored at each vertex")
+      .one_of({"vectors", "vectors9", "sh9", "ambient_cube", "sh4"});
   command
-      ->add_option("--estimator", options->estimator,
-                   "How photons count: by the length of their path in a cell (track), by the faces they cross,\n"
-                   "divided by the cosine (face), or as published (face_paper); both fill basis vectors only")
-      ->check(CLI::IsMember({"track", "face", "face_paper"}))
-      ->capture_default_str();
+      .add_option("--estimator", options->estimator,
+                  "How photons count: by the length of their path in a cell (track), by the faces they cross,\n"
+                  "divided by the cosine (face), or as published (face_paper); both fill basis vectors only")
+      .one_of({"track", "face", "face_paper"});
   command
-      ->add_option("--guard", options->guard,
-                   "Leak guard: rays and planes count only light that a vertex sees and store its\n"
-                   "compact guard; off does neither")
-      ->check(CLI::IsMember({"rays", "planes", "off"}))
-      ->capture_default_str();
-  command->footer(
+      .add_option("--guard", options->guard,
+                  "Leak guard: rays and planes count only light that a vertex sees and store its\n"
+                  "compact guard; off does neither")
+      .one_of({"rays", "planes", "off"});
+  command.footer(
       "The same command gives the same bytes with any --threads.\n"
-      "Examples:\n"
+      "\nExamples:\n"
       "  ivory bake grid room.glb -o room.vdb\n"
       "  ivory bake grid room.glb -o room.vdb --resolution 48,24,48 --photons 16m\n"
       "  ivory bake grid street.glb -o room.vdb --bounds -3,0,-2:3,2.8,2 --rotate-y 30   (one room, not the sky dome)\n"
       "  ivory bake grid room.glb -o b.vdb --photons 16m --photon-range 8m:16m   (one machine's half; see ivory "
       "merge)");
-  set_action(*command, common, Output::file, [options, &common] { run_bake_grid(*options, common); });
+  set_action(command, common, Output::file, [options, &common] { run_bake_grid(*options, common); });
 }
 
 }  // namespace ivory

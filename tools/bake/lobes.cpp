@@ -4,7 +4,6 @@
 #include <chrono>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -93,18 +92,16 @@ void run(const BakeLobesOptions& options, const CommonOptions& common) {
 
 }  // namespace
 
-void add_bake_lobes_command(CLI::App& bake, CommonOptions& common) {
-  auto* command = bake.add_subcommand("lobes", "The table of products of cosine lobes, for render --method lobes");
+void add_bake_lobes_command(Command bake, CommonOptions& common) {
+  Command command = bake.add_subcommand("lobes", "The table of products of cosine lobes, for render --method lobes");
   auto options = std::make_shared<BakeLobesOptions>();
-  command->add_option("-o,--output", options->output, "Table to write")->required()->type_name("OUT.exr");
-  command->add_option("--exponent-nodes", options->table.exponent_nodes, "Nodes along each exponent, from 0 to 100000")
-      ->check(CLI::Range(2, 129))
-      ->capture_default_str();
-  command->add_option("--angle-nodes", options->table.angle_nodes, "Nodes along the angle between the axes")
-      ->check(CLI::Range(2, 513))
-      ->capture_default_str();
+  command.add_option("-o,--output", options->output, "Table to write").required().type_name("OUT.exr");
+  command.add_option("--exponent-nodes", options->table.exponent_nodes, "Nodes along each exponent, from 0 to 100000")
+      .within(2, 129);
+  command.add_option("--angle-nodes", options->table.angle_nodes, "Nodes along the angle between the axes")
+      .within(2, 513);
   command
-      ->add_option_function<std::string>(
+      .add_option(
           "--error-samples",
           [options](const std::string& text) {
             options->samples = parse_count("--error-samples", text);
@@ -112,15 +109,15 @@ void add_bake_lobes_command(CLI::App& bake, CommonOptions& common) {
               throw UsageError("--error-samples must lie between 1 and 100m");
           },
           "Random products that the errors are measured on")
-      ->default_str("100k")
-      ->type_name("COUNT");
-  add_count_option(*command, "--seed", options->seed, "Seed of those");
-  command->footer(
+      .default_str("100k")
+      .type_name("COUNT");
+  command.add_count("--seed", options->seed, "Seed of those");
+  command.footer(
       "A product's integral and vector moment are exact but for the table's interpolation; its shape is that of the\n"
       "one lobe that has them. The table depends on no scene.\n"
-      "Example:\n"
+      "\nExample:\n"
       "  ivory bake lobes -o lobes.exr");
-  set_action(*command, common, Output::file, [options, &common] { run(*options, common); });
+  set_action(command, common, Output::file, [options, &common] { run(*options, common); });
 }
 
 }  // namespace ivory

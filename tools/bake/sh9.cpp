@@ -4,7 +4,6 @@
 #include <chrono>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -54,10 +53,10 @@ Sh9Asset make_asset(const Sh9& whole, int order, const std::string& window, cons
   return asset;
 }
 
-void run_bake_sh9(const BakeSh9Options& options, const CLI::App& command, const CommonOptions& common) {
+void run_bake_sh9(const BakeSh9Options& options, const Command& command, const CommonOptions& common) {
   const Sh9Dialect dialect = sh9_dialect_from_name(options.dialect);
   const bool automatic = options.order == "auto";
-  if (!automatic && command.count("--max-error") > 0) throw UsageError("--max-error serves --order auto only");
+  if (!automatic && command.get_option("--max-error").given()) throw UsageError("--max-error serves --order auto only");
   chosen_window(options.window, Sh9{});
   check_output(options.output, ".json", common);
   using Clock = std::chrono::steady_clock;
@@ -120,43 +119,36 @@ void run_bake_sh9(const BakeSh9Options& options, const CLI::App& command, const 
 
 }  // namespace
 
-void add_bake_sh9_command(CLI::App& bake, CommonOptions& common) {
-  auto* command = bake.add_subcommand("sh9", "Nine spherical-harmonic coefficients of an environment map (.json)");
+void add_bake_sh9_command(Command bake, CommonOptions& common) {
+  Command command = bake.add_subcommand("sh9", "Nine spherical-harmonic coefficients of an environment map (.json)");
   auto options = std::make_shared<BakeSh9Options>();
-  command->add_option("environment", options->environment.path, "Environment map in nits: .exr, .hdr or other image")
-      ->required()
-      ->type_name("ENV");
-  command->add_option("-o,--output", options->output, "Coefficients to write, .json")
-      ->required()
-      ->type_name("OUT.json");
-  add_layout_option(*command, options->environment);
-  command->add_option("--order", options->order, "Highest band; auto stores the lowest that meets --max-error")
-      ->check(CLI::IsMember({"auto", "0", "1", "2"}))
-      ->capture_default_str();
+  command.add_option("environment", options->environment.path, "Environment map in nits: .exr, .hdr or other image")
+      .required()
+      .type_name("ENV");
+  command.add_option("-o,--output", options->output, "Coefficients to write, .json").required().type_name("OUT.json");
+  add_layout_option(command, options->environment);
+  command.add_option("--order", options->order, "Highest band; auto stores the lowest that meets --max-error")
+      .one_of({"auto", "0", "1", "2"});
   command
-      ->add_option("--max-error", options->max_error,
-                   "For --order auto: average error of E, as a fraction of the light of the whole sphere")
-      ->check(within(0.0, 1.0), "in [0 - 1]")
-      ->capture_default_str();
+      .add_option("--max-error", options->max_error,
+                  "For --order auto: average error of E, as a fraction of the light of the whole sphere")
+      .within(0.0, 1.0);
   command
-      ->add_option(
-          "--window", options->window,
-          "Against negative lobes: none, auto (the least change that keeps E from falling below zero), or the\n"
-          "width of a Hann window in bands, from 2")
-      ->type_name("none|auto|WIDTH")
-      ->capture_default_str();
-  command->add_option("--dialect", options->dialect, "Who is to read it; only ivory's own is read back")
-      ->check(CLI::IsMember({"ivory", "filament", "three.js", "EXT_lights_image_based"}))
-      ->capture_default_str();
-  command->footer(
+      .add_option("--window", options->window,
+                  "Against negative lobes: none, auto (the least change that keeps E from falling below zero), or the\n"
+                  "width of a Hann window in bands, from 2")
+      .type_name("none|auto|WIDTH");
+  command.add_option("--dialect", options->dialect, "Who is to read it; only ivory's own is read back")
+      .one_of({"ivory", "filament", "three.js", "EXT_lights_image_based"});
+  command.footer(
       "E(n) = (n 1) M (n 1)^T in lux, with the file's matrices M for R, G and B.\n"
       "--json: read_seconds is the time to load the map, projection_seconds that of its nine coefficients; the rest "
       "of\n"
       "the command's time goes into measuring their error at 6144 normals.\n"
-      "Examples:\n"
+      "\nExamples:\n"
       "  ivory bake sh9 sky.exr -o sky.json\n"
       "  ivory bake sh9 probe.hdr -o probe.json --layout angular --order 2 --window auto --dialect three.js");
-  set_action(*command, common, Output::file, [options, command, &common] { run_bake_sh9(*options, *command, common); });
+  set_action(command, common, Output::file, [options, command, &common] { run_bake_sh9(*options, command, common); });
 }
 
 }  // namespace ivory

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -81,21 +80,21 @@ void run(const BakeSpheresOptions& options, const CommonOptions& common) {
 
 }  // namespace
 
-void add_bake_spheres_command(CLI::App& bake, CommonOptions& common) {
-  auto* command = bake.add_subcommand("spheres", "A mesh as a set of spheres, which casts its shadows");
+void add_bake_spheres_command(Command bake, CommonOptions& common) {
+  Command command = bake.add_subcommand("spheres", "A mesh as a set of spheres, which casts its shadows");
   auto options = std::make_shared<BakeSpheresOptions>();
-  command->add_option("mesh", options->mesh, "Mesh: .gltf or .glb, all of its scene, in its world space")
-      ->required()
-      ->type_name("MESH");
-  command->add_option("-o,--output", options->output, "Sphere set to write")->required()->type_name("OUT.json");
-  add_count_option(*command, "--count", options->count, "Spheres, 4096 at most");
-  command->add_option("--resolution", options->resolution, "Voxels along the longest side [48 to 160 by --count]")
-      ->check(CLI::Range(16, 192));
-  command->footer(
+  command.add_option("mesh", options->mesh, "Mesh: .gltf or .glb, all of its scene, in its world space")
+      .required()
+      .type_name("MESH");
+  command.add_option("-o,--output", options->output, "Sphere set to write").required().type_name("OUT.json");
+  command.add_count("--count", options->count, "Spheres, 4096 at most");
+  command.add_option("--resolution", options->resolution, "Voxels along the longest side [48 to 160 by --count]")
+      .within(16, 192);
+  command.footer(
       "The volume that the spheres add and the volume that they leave out are made as small as can be, in sum.\n"
-      "Example:\n"
+      "\nExample:\n"
       "  ivory bake spheres bunny.glb -o bunny.json --count 64");
-  set_action(*command, common, Output::file, [options, &common] { run(*options, common); });
+  set_action(command, common, Output::file, [options, &common] { run(*options, common); });
 }
 
 }  // namespace ivory

@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -112,43 +111,43 @@ void run_lookup(const LookupBenchOptions& options, const CommonOptions& common) 
                   scene.name, bench.off_ns, bench.planes_ns, bench.rays_ns, bench.occlusion_ray_ns));
 }
 
-void add_lookup_bench(CLI::App& bench, CommonOptions& common) {
-  CLI::App* command = bench.add_subcommand(
+void add_lookup_bench(Command bench, CommonOptions& common) {
+  Command command = bench.add_subcommand(
       "lookup",
       "Time of one grid look-up (spatial and directional interpolation) on one thread, with each leak guard.");
   auto options = std::make_shared<LookupBenchOptions>();
-  command->add_option("SCENE", options->scene, "glTF file to bake and look up")->required();
-  command->add_option("--resolution", options->resolution, "Grid vertices")->capture_default_str();
-  add_count_option(*command, "--photons", options->photons, "Photons of the bake");
-  command->add_flag("--tricubic", options->tricubic, "Tricubic instead of trilinear");
-  command->footer("Example:\n  ivory bench lookup scenes/cornell_box.gltf");
-  set_action(*command, common, Output::none, [options, &common] { run_lookup(*options, common); });
+  command.add_option("SCENE", options->scene, "glTF file to bake and look up").required();
+  command.add_option("--resolution", options->resolution, "Grid vertices");
+  command.add_count("--photons", options->photons, "Photons of the bake");
+  command.add_flag("--tricubic", options->tricubic, "Tricubic instead of trilinear");
+  command.footer("Example:\n  ivory bench lookup scenes/cornell_box.gltf");
+  set_action(command, common, Output::none, [options, &common] { run_lookup(*options, common); });
 }
 
 }  // namespace
 
-void add_bench_command(CLI::App& app, CommonOptions& common) {
-  CLI::App* bench = app.add_subcommand("bench", "Measure rates beside their bounds");
-  bench->require_subcommand(1);
-  CLI::App* tracer = bench->add_subcommand(
+void add_bench_command(Command app, CommonOptions& common) {
+  Command bench = app.add_subcommand("bench", "Measure rates beside their bounds");
+  bench.require_subcommand();
+  Command tracer = bench.add_subcommand(
       "tracer",
       "Photon segments per second beside Embree's closest-hit rate on the very same rays, and variance\n"
       "times time of each way to deposit them.");
   auto options = std::make_shared<BenchOptions>();
-  tracer->add_option("SCENES", options->scenes, "glTF files to measure beside the built-in large mesh");
-  tracer->add_option("--resolution", options->resolution, "Grid vertices")->capture_default_str();
-  add_count_option(*tracer, "--photons", options->photons, "Photons a measurement");
-  add_count_option(*tracer, "--rounds", options->rounds, 1, 1000, "Measurements in turn; medians are reported");
-  add_count_option(*tracer, "--triangles", options->triangles, "Triangles of the built-in mesh");
-  tracer->footer("Example:\n  ivory bench tracer scenes/cornell_box.gltf --json");
-  set_action(*tracer, common, Output::none, [options, &common] { run(*options, common); });
-  add_lookup_bench(*bench, common);
-  add_bench_cubemap_command(*bench, common);
-  add_bench_sh9_command(*bench, common);
-  add_bench_fiv_command(*bench, common);
-  add_bench_runtime_command(*bench, common);
-  add_bench_stability_command(*bench, common);
-  add_bench_gaussians_command(*bench, common);
+  tracer.add_option("SCENES", options->scenes, "glTF files to measure beside the built-in large mesh");
+  tracer.add_option("--resolution", options->resolution, "Grid vertices");
+  tracer.add_count("--photons", options->photons, "Photons a measurement");
+  tracer.add_count("--rounds", options->rounds, 1, 1000, "Measurements in turn; medians are reported");
+  tracer.add_count("--triangles", options->triangles, "Triangles of the built-in mesh");
+  tracer.footer("Example:\n  ivory bench tracer scenes/cornell_box.gltf --json");
+  set_action(tracer, common, Output::none, [options, &common] { run(*options, common); });
+  add_lookup_bench(bench, common);
+  add_bench_cubemap_command(bench, common);
+  add_bench_sh9_command(bench, common);
+  add_bench_fiv_command(bench, common);
+  add_bench_runtime_command(bench, common);
+  add_bench_stability_command(bench, common);
+  add_bench_gaussians_command(bench, common);
 }
 
 }  // namespace ivory

@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <time.h>
@@ -88,21 +87,21 @@ void run(const std::vector<std::string>& paths, const CommonOptions& common) {
 
 }  // namespace
 
-void add_bench_cubemap_command(CLI::App& bench, CommonOptions& common) {
-  CLI::App* command =
+void add_bench_cubemap_command(Command bench, CommonOptions& common) {
+  Command command =
       bench.add_subcommand("cubemap",
                            "Time of one reading of a localized cube map on one thread, and the memory that "
                            "it reads from, for each --lookup of ivory probe and render.");
   auto paths = std::make_shared<std::vector<std::string>>();
-  command->add_option("MAPS", *paths, "Localized cube maps to read")->required()->type_name("MAP.exr");
-  command->footer(
+  command.add_option("MAPS", *paths, "Localized cube maps to read").required().type_name("MAP.exr");
+  command.footer(
       "--json: for each map <lookup>_ns, the median of seven rounds in the thread's own time, and <lookup>_bytes:\n"
       "  convolved      the irradiance map of 6x16x16 texels convolved at the reference point\n"
       "  point, polygon_paper   radiance and distances: the map as stored\n"
       "  polygon        these and the walk over the texels' edges that is made of them\n"
-      "Example:\n"
+      "\nExample:\n"
       "  ivory bench cubemap room_2.exr room_4.exr room_8.exr");
-  set_action(*command, common, Output::none, [paths, &common] { run(*paths, common); });
+  set_action(command, common, Output::none, [paths, &common] { run(*paths, common); });
 }
 
 }  // namespace ivory

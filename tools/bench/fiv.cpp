@@ -3,7 +3,6 @@
 #include <cmath>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -148,22 +147,21 @@ void run(const BenchFivOptions& options, const CommonOptions& common) {
 
 }  // namespace
 
-void add_bench_fiv_command(CLI::App& bench, CommonOptions& common) {
-  CLI::App* command = bench.add_subcommand(
+void add_bench_fiv_command(Command bench, CommonOptions& common) {
+  Command command = bench.add_subcommand(
       "fiv", "Error of shadows from FIV tables on planes (NRMSE of E against rays to every texel), and their costs.");
   auto options = std::make_shared<BenchFivOptions>();
-  command->add_option("MESH", options->mesh, "glTF file of the occluder")->required();
-  add_environment_options(*command, options->environment);
-  command->add_option("--light", options->light, "Instead of --env: one light of one texel, or two coloured discs")
-      ->check(CLI::IsMember({"one", "two"}));
-  command->add_option("--samples", options->samples, "Of the table")->capture_default_str()->type_name("NA,NP,ND");
-  command->add_option("--truth", options->truth_size, "Texels along a cube face of the environment that rays go to")
-      ->check(CLI::Range(32, 512))
-      ->capture_default_str();
-  command->add_flag("--times", options->times,
-                    "Time the bake of 128 x 65 x 30 samples beside one ray a sample and light");
-  command->footer("Example:\n  ivory bench fiv bunny.glb --env sky.hdr --times");
-  set_action(*command, common, Output::none, [options, &common] { run(*options, common); });
+  command.add_option("MESH", options->mesh, "glTF file of the occluder").required();
+  add_environment_options(command, options->environment);
+  command.add_option("--light", options->light, "Instead of --env: one light of one texel, or two coloured discs")
+      .one_of({"one", "two"});
+  command.add_option("--samples", options->samples, "Of the table").type_name("NA,NP,ND");
+  command.add_option("--truth", options->truth_size, "Texels along a cube face of the environment that rays go to")
+      .within(32, 512);
+  command.add_flag("--times", options->times,
+                   "Time the bake of 128 x 65 x 30 samples beside one ray a sample and light");
+  command.footer("Example:\n  ivory bench fiv bunny.glb --env sky.hdr --times");
+  set_action(command, common, Output::none, [options, &common] { run(*options, common); });
 }
 
 }  // namespace ivory

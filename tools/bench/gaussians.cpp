@@ -5,7 +5,6 @@
 #include <cmath>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -48,16 +47,16 @@ void run(const CommonOptions& common) {
 
 }  // namespace
 
-void add_bench_gaussians_command(CLI::App& bench, CommonOptions& common) {
-  CLI::App* command = bench.add_subcommand("gaussians",
-                                           "An unshadowed ball of light on a matt surface by cosine lobes and by "
-                                           "spherical Gaussians, against the integral.");
-  command->footer(
+void add_bench_gaussians_command(Command bench, CommonOptions& common) {
+  Command command = bench.add_subcommand("gaussians",
+                                         "An unshadowed ball of light on a matt surface by cosine lobes and by "
+                                         "spherical Gaussians, against the integral.");
+  command.footer(
       "The ball as the Gaussian of its flux and mean cosine; its irradiance by a single Gaussian for the cosine\n"
       "(\"gaussians\" with --json) and by Hill's fit (\"gaussians_fitted\").\n"
-      "Example:\n"
+      "\nExample:\n"
       "  ivory bench gaussians --json");
-  set_action(*command, common, Output::none, [&common] { run(common); });
+  set_action(command, common, Output::none, [&common] { run(common); });
 }
 
 }  // namespace ivory

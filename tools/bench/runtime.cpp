@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <time.h>
@@ -309,23 +308,19 @@ void run(const BenchRuntimeOptions& options, const CommonOptions& common) {
 
 }  // namespace
 
-void add_bench_runtime_command(CLI::App& bench, CommonOptions& common) {
-  CLI::App* command = bench.add_subcommand(
+void add_bench_runtime_command(Command bench, CommonOptions& common) {
+  Command command = bench.add_subcommand(
       "runtime",
       "Frame times of the OpenGL runtime without a window, 640 x 480, a floor that fills the frame: each source of\n"
       "ambient light beside constant light, in turn; FIV tables by number of occluders, table and mesh; loading.");
   auto options = std::make_shared<BenchRuntimeOptions>();
-  command->add_option("MESH", options->mesh, "glTF file of the object that the assets are baked of")->required();
-  add_environment_options(*command, options->environment);
-  command->get_option("--env")->required();
-  command->add_option("--rounds", options->rounds, "Frames of each; medians are reported")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000));
-  command->add_option("--grid", options->grid_side, "Vertices of the grid along each axis")
-      ->capture_default_str()
-      ->check(CLI::Range(2, 128));
-  command->footer("Example:\n  ivory bench runtime scenes/knot.glb --env scenes/sky.hdr");
-  set_action(*command, common, Output::none, [options, &common] { run(*options, common); });
+  command.add_option("MESH", options->mesh, "glTF file of the object that the assets are baked of").required();
+  add_environment_options(command, options->environment);
+  command.get_option("--env").required();
+  command.add_option("--rounds", options->rounds, "Frames of each; medians are reported").within(1, 1000);
+  command.add_option("--grid", options->grid_side, "Vertices of the grid along each axis").within(2, 128);
+  command.footer("Example:\n  ivory bench runtime scenes/knot.glb --env scenes/sky.hdr");
+  set_action(command, common, Output::none, [options, &common] { run(*options, common); });
 }
 
 }  // namespace ivory

@@ -6,7 +6,6 @@
 #include <memory>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <tbb/parallel_for.h>
@@ -99,16 +98,14 @@ void run_bench_sh9(const BenchSh9Options& options, const CommonOptions& common) 
 
 }  // namespace
 
-void add_bench_sh9_command(CLI::App& bench, CommonOptions& common) {
-  auto* command = bench.add_subcommand(
+void add_bench_sh9_command(Command bench, CommonOptions& common) {
+  Command command = bench.add_subcommand(
       "sh9", "Time to project a lat-long map onto nine harmonics over the time to add up its pixels once");
   auto options = std::make_shared<BenchSh9Options>();
-  add_image_size_option(*command, "--size", options->size, "Size of the map in pixels");
-  command->add_option("--rounds", options->rounds, "Measurements in turn; medians are reported")
-      ->capture_default_str()
-      ->check(CLI::Range(1, 1000));
-  command->footer("Example:\n  ivory bench sh9 --size 4096x2048 --threads 2");
-  set_action(*command, common, Output::none, [options, &common] { run_bench_sh9(*options, common); });
+  command.add_image_size("--size", options->size, "Size of the map in pixels");
+  command.add_option("--rounds", options->rounds, "Measurements in turn; medians are reported").within(1, 1000);
+  command.footer("Example:\n  ivory bench sh9 --size 4096x2048 --threads 2");
+  set_action(command, common, Output::none, [options, &common] { run_bench_sh9(*options, common); });
 }
 
 }  // namespace ivory

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -83,18 +82,18 @@ void run(const BenchStabilityOptions& options, const CommonOptions& common) {
 
 }  // namespace
 
-void add_bench_stability_command(CLI::App& bench, CommonOptions& common) {
-  CLI::App* command = bench.add_subcommand(
+void add_bench_stability_command(Command bench, CommonOptions& common) {
+  Command command = bench.add_subcommand(
       "stability",
       "Sweeps through every place where a method fails, and fails itself where an error is beyond its bound. With\n"
       "--json an object of `points`, each with case, title, sentence, x, x_label, series, error, bound (null where a\n"
       "series only shows the failure), y_label, log_x, log_y.");
   auto options = std::make_shared<BenchStabilityOptions>();
-  command->add_option("CASE", options->names, "Cases to run; all by default");
-  command->add_flag("--quick", options->quick, "Fewer samples: what the tests run");
-  command->add_flag("--list", options->list, "Names and titles of the cases");
-  command->footer("Example:\n  ivory bench stability wall_angle --quick");
-  set_action(*command, common, Output::none, [options, &common] { run(*options, common); });
+  command.add_option("CASE", options->names, "Cases to run; all by default");
+  command.add_flag("--quick", options->quick, "Fewer samples: what the tests run");
+  command.add_flag("--list", options->list, "Names and titles of the cases");
+  command.footer("Example:\n  ivory bench stability wall_angle --quick");
+  set_action(command, common, Output::none, [options, &common] { run(*options, common); });
 }
 
 }  // namespace ivory

@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -86,67 +85,59 @@ void run_chart(const std::vector<std::string>& arguments, const CommonOptions& c
 
 }  // namespace
 
-void add_chart_command(CLI::App& app, CommonOptions& common) {
-  auto* command = app.add_subcommand(
+void add_chart_command(Command app, CommonOptions& common) {
+  Command command = app.add_subcommand(
       "chart", "Measure speed against accuracy and draw it: results as JSON lines, charts, one page");
   auto arguments = std::make_shared<std::vector<std::string>>();
   const auto pass = [arguments](const std::string& name) {
-    return [arguments, name](const std::vector<std::string>& values) {
-      for (const std::string& value : values) {
-        arguments->push_back(name);
-        arguments->push_back(value);
-      }
+    return [arguments, name](const std::string& value) {
+      arguments->push_back(name);
+      arguments->push_back(value);
     };
   };
   command
-      ->add_option_function<std::string>(
+      .add_option(
           "suite", [arguments](const std::string& suite) { arguments->insert(arguments->begin(), suite); },
           "quick (minutes), full (under two hours on two cores), or one curve: grid, bases, sh9, fiv, cubemap, lobes,\n"
           "rates, stability (each place where a method fails)")
-      ->required()
-      ->check(CLI::IsMember({"quick", "full", "grid", "bases", "sh9", "fiv", "cubemap", "lobes", "rates", "stability"}))
-      ->type_name("SUITE");
+      .required()
+      .one_of({"quick", "full", "grid", "bases", "sh9", "fiv", "cubemap", "lobes", "rates", "stability"})
+      .type_name("SUITE");
   command
-      ->add_option_function<std::vector<std::string>>(
-          "-o,--output", pass("--output"),
-          "Folder for results.jsonl, charts (.svg, .png) and index.html\n(SUITE.html of one curve)")
-      ->expected(1)
-      ->required()
-      ->type_name("FOLDER");
+      .add_option("-o,--output", pass("--output"),
+                  "Folder for results.jsonl, charts (.svg, .png) and index.html\n(SUITE.html of one curve)")
+      .required()
+      .type_name("FOLDER");
   command
-      ->add_option_function<std::vector<std::string>>(
-          "--only", pass("--only"),
-          "Only points whose name CURVE/SCENE/SERIES/SETTING matches; * is wild; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("PATTERN");
+      .add_option("--only", pass("--only"),
+                  "Only points whose name CURVE/SCENE/SERIES/SETTING matches; * is wild; may be repeated")
+      .repeated()
+      .type_name("PATTERN");
+  command.add_option("--size", pass("--size"), "Of a single curve: quick or full [quick]")
+      .one_of({"quick", "full"})
+      .type_name("SIZE");
   command
-      ->add_option_function<std::vector<std::string>>("--size", pass("--size"),
-                                                      "Of a single curve: quick or full [quick]")
-      ->expected(1)
-      ->check(CLI::IsMember({"quick", "full"}))
-      ->type_name("SIZE");
-  command
-      ->add_option_function<std::vector<std::string>>("--fill", pass("--fill"),
-                                                      "Rewrite the tables between <!-- chart: NAME --> and <!-- /chart "
-                                                      "--> of a Markdown file, and copy\nthe charts "
-                                                      "that it shows as charts/NAME.png beside it; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("FILE.md");
+      .add_option("--fill", pass("--fill"),
+                  "Rewrite the tables between <!-- chart: NAME --> and <!-- /chart "
+                  "--> of a Markdown file, and copy\nthe charts "
+                  "that it shows as charts/NAME.png beside it; may be repeated")
+      .repeated()
+      .type_name("FILE.md");
   for (const auto& [name, description] : std::array<std::pair<const char*, const char*>, 3>{
            {{"--list", "Print the points, and which are done, instead of measuring them"},
             {"--draw", "Measure nothing, draw what the folder's results.jsonl has"},
             {"--any-build", "Keep results that another build of this version of ivory measured"}}}) {
-    command->add_flag_callback(
+    command.add_flag(
         name, [arguments, flag = std::string(name)] { arguments->push_back(flag); }, description);
   }
-  command->footer(
+  command.footer(
       "Each point is one or a few ivory commands; results.jsonl has them with seed, machine, time, peak memory and\n"
       "result. What it has is not measured again: an interrupted suite goes on. Sample data is looked for under\n"
       "$IVORY_DATA. Needs python3-matplotlib and python3-jinja2.\n"
-      "Examples:\n"
+      "\nExamples:\n"
       "  ivory chart quick -o out/charts\n"
       "  ivory chart grid -o out/charts --size full --only '*cornell*'");
-  set_action(*command, common, Output::none, [arguments, &common] { run_chart(*arguments, common); });
+  set_action(command, common, Output::none, [arguments, &common] { run_chart(*arguments, common); });
 }
 
 }  // namespace ivory

@@ -1,26 +1,19 @@
-// What every subcommand shares: its common options, how it reads numbers, shows progress and
-// reports results. A subcommand is one file exporting add_<name>_command(app, common), declared in
-// commands.h: it declares its options and hands its work to set_action().
+// What every subcommand shares: its common options, how it shows progress and reports results. A subcommand is one file
+// exporting add_<name>_command(app, common), declared in commands.h: it declares its options and hands its work to
+// set_action().
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 #include <functional>
 #include <mutex>
-#include <optional>
 #include <string>
 #include <string_view>
-#include <utility>
-#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "grid/base/types.h"
-
-namespace CLI {
-class App;
-class Option;
-}  // namespace CLI
+#include "tools/cli/numbers.h"
+#include "tools/cli/options.h"
 
 namespace ivory {
 
@@ -36,38 +29,10 @@ enum class Output { none, file };
 // Adds --threads, --json, --quiet and, for a command that writes a file, --force, and runs `action`
 // after the whole command line has been read and found right. To be called last, so that the shared
 // options end the help page. While `action` runs TBB is held to --threads.
-void set_action(CLI::App& command, CommonOptions& common, Output output, std::function<void()> action);
+void set_action(Command command, CommonOptions& common, Output output, std::function<void()> action);
 
 // Threads that --threads stands for, at least 1.
 int thread_count(const CommonOptions& common);
-
-// Parsers of option values; `option` is named in the UsageError they throw for anything else.
-// "8m" = 8,000,000, "1.5k" = 1500, "2g"; whole numbers below 2^63 only.
-std::uint64_t parse_count(std::string_view option, std::string_view text);
-// "NX,NY,NZ", or "N" for all three; each from `least` to 65536.
-V3i parse_size3(std::string_view option, std::string_view text, int least);
-// "640x480", each from 1 to 65536.
-Imath::V2i parse_image_size(std::string_view option, std::string_view text);
-// "A:B", counts with A < B, half open.
-std::pair<std::uint64_t, std::uint64_t> parse_range(std::string_view option, std::string_view text);
-// "X,Y,Z", finite.
-V3f parse_vector3(std::string_view option, std::string_view text);
-// `count` finite numbers separated by commas; `form` shows the user how: "X,Y,Z,RADIUS".
-std::vector<float> parse_floats(std::string_view option, std::string_view text, std::size_t count,
-                                std::string_view form);
-
-// For CLI::Option::check(): a number from low to high, which CLI::Range would also take "nan" for.
-std::function<std::string(const std::string& text)> within(double low, double high);
-
-// Options whose values go through the parsers above. `value` must outlive the parse; what it holds
-// now is shown as the default where it is not zero or empty.
-CLI::Option* add_count_option(CLI::App& command, const std::string& name, std::uint64_t& value,
-                              const std::string& description);
-// Counts from `least` to `most` only.
-CLI::Option* add_count_option(CLI::App& command, const std::string& name, int& value, int least, int most,
-                              const std::string& description);
-CLI::Option* add_image_size_option(CLI::App& command, const std::string& name, Imath::V2i& value,
-                                   const std::string& description);
 
 // Fails early, before hours of work: throws Error where `path` exists and not --force, or cannot
 // be written.
@@ -109,15 +74,5 @@ class Progress {
   Clock::time_point last_drawn_;
   std::mutex mutex_;
 };
-
-// The double that prints as the float does: 0.1, not 0.10000000149011612.
-double shortest(float value);
-
-// "1.20 M", "850 k", "12": three significant digits.
-std::string format_count(double count);
-// "0:43", "1:02:03".
-std::string format_duration(double seconds);
-// "288 KiB", "8.56 MiB".
-std::string format_bytes(std::uint64_t bytes);
 
 }  // namespace ivory

@@ -1,7 +1,6 @@
 // ivory compare: how far a picture is from a reference.
 #include "tracer/image/compare.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -65,19 +64,19 @@ void run_compare(const CompareOptions& options, const CommonOptions& common) {
 
 }  // namespace
 
-void add_compare_command(CLI::App& app, CommonOptions& common) {
-  auto* command = app.add_subcommand("compare", "Measure how far a picture is from a reference");
+void add_compare_command(Command app, CommonOptions& common) {
+  Command command = app.add_subcommand("compare", "Measure how far a picture is from a reference");
   auto options = std::make_shared<CompareOptions>();
-  command->add_option("image", options->image, "Picture to judge")->required()->type_name("A");
-  command->add_option("reference", options->reference, "Picture taken as truth, of the same size")
-      ->required()
-      ->type_name("REF");
+  command.add_option("image", options->image, "Picture to judge").required().type_name("A");
+  command.add_option("reference", options->reference, "Picture taken as truth, of the same size")
+      .required()
+      .type_name("REF");
   command
-      ->add_option(
+      .add_option(
           "second", options->second,
           "The same picture with noise of its own, as by another --seed: the references' noise is then left out")
-      ->type_name("REF2");
-  command->footer(
+      .type_name("REF2");
+  command.footer(
       "Over all pixels and the channels red, green and blue, a in A and b in REF:\n"
       "  nrmse          root of mean (a-b)^2, divided by max b - min b\n"
       "  relative_rmse  root of mean (a-b)^2 / (b^2 + (0.01 mean b)^2)\n"
@@ -91,9 +90,9 @@ void add_compare_command(CLI::App& app, CommonOptions& common) {
       "  reference_nrmse, reference_relative_rmse\n"
       "                 the noise of (b+c)/2, which a perfect A compared with (b+c)/2 would show; it has been taken\n"
       "                 out of nrmse and relative_rmse, and is no lower limit of theirs\n"
-      "Example:\n"
+      "\nExample:\n"
       "  ivory compare gather.exr path.exr --json");
-  set_action(*command, common, Output::none, [options, &common] { run_compare(*options, common); });
+  set_action(command, common, Output::none, [options, &common] { run_compare(*options, common); });
 }
 
 }  // namespace ivory

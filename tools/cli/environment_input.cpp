@@ -2,15 +2,13 @@
 
 #include <filesystem>
 
-#include <CLI/CLI.hpp>
-
 #include "grid/io/file.h"
 
 namespace ivory {
 
-CLI::Option* add_layout_option(CLI::App& command, EnvironmentChoice& choice) {
+Option add_layout_option(Command command, EnvironmentChoice& choice) {
   return command
-      .add_option_function<std::string>(
+      .add_option(
           "--layout",
           [&choice](const std::string& name) {
             layout_from_name(name);
@@ -18,19 +16,19 @@ CLI::Option* add_layout_option(CLI::App& command, EnvironmentChoice& choice) {
           },
           "How the map lays out the sphere: latlong 2:1, angular 1:1, vertical_cross 3:4, horizontal_cross 4:3,\n"
           "cube 1:6, cube_row 6:1 [its envmap attribute, else its aspect]")
-      ->type_name("NAME");
+      .type_name("NAME");
 }
 
-void add_environment_options(CLI::App& command, EnvironmentChoice& choice, const std::string& group) {
-  CLI::Option* environment =
+void add_environment_options(Command command, EnvironmentChoice& choice, const std::string& group) {
+  Option environment =
       command
           .add_option("--env", choice.path,
                       "Environment map in nits: .exr, .hdr or other image; +Z in the middle, +X to its left, +Y up")
-          ->type_name("IMAGE");
-  CLI::Option* layout = add_layout_option(command, choice)->needs(environment);
+          .type_name("IMAGE");
+  Option layout = add_layout_option(command, choice).needs(environment);
   if (group.empty()) return;
-  environment->group(group);
-  layout->group(group);
+  environment.group(group);
+  layout.group(group);
 }
 
 EnvironmentInput load_environment_input(const EnvironmentChoice& choice) {

@@ -6,12 +6,8 @@
 
 #include "grid/base/metadata.h"
 #include "grid/env/layout.h"
+#include "tools/cli/options.h"
 #include "tracer/env/image.h"
-
-namespace CLI {
-class App;
-class Option;
-}  // namespace CLI
 
 namespace ivory {
 
@@ -21,9 +17,9 @@ struct EnvironmentChoice {
 };
 
 // --layout NAME, read by load_environment_input().
-CLI::Option* add_layout_option(CLI::App& command, EnvironmentChoice& choice);
+Option add_layout_option(Command command, EnvironmentChoice& choice);
 // --env IMAGE and --layout, in the help page's group `group` where that is not empty.
-void add_environment_options(CLI::App& command, EnvironmentChoice& choice, const std::string& group = {});
+void add_environment_options(Command command, EnvironmentChoice& choice, const std::string& group = {});
 
 struct EnvironmentInput {
   EnvironmentImage image;

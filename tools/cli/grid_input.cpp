@@ -1,6 +1,5 @@
 #include "tools/cli/grid_input.h"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
@@ -8,18 +7,14 @@
 
 namespace ivory {
 
-std::shared_ptr<GridInputOptions> add_grid_options(CLI::App& command, const std::string& purpose) {
+std::shared_ptr<GridInputOptions> add_grid_options(Command command, const std::string& purpose) {
   auto options = std::make_shared<GridInputOptions>();
-  command.add_option("--grid", options->grid, purpose)->type_name("GRID.vdb");
-  command.add_option("--guard", options->guard, "Leak guard of grid look-ups")
-      ->check(CLI::IsMember({"rays", "planes", "off"}))
-      ->capture_default_str();
+  command.add_option("--grid", options->grid, purpose).type_name("GRID.vdb");
+  command.add_option("--guard", options->guard, "Leak guard of grid look-ups").one_of({"rays", "planes", "off"});
   command.add_option("--interpolation", options->interpolation, "Between grid vertices; tricubic is the B-spline")
-      ->check(CLI::IsMember({"trilinear", "tricubic"}))
-      ->capture_default_str();
+      .one_of({"trilinear", "tricubic"});
   command.add_option("--reconstruction", options->reconstruction, "Of irradiance from the stored vectors")
-      ->check(CLI::IsMember({"optimal", "paper"}))
-      ->capture_default_str();
+      .one_of({"optimal", "paper"});
   return options;
 }
 

@@ -19,7 +19,7 @@ struct GridInputOptions {
 };
 
 // --grid and how it is read; `purpose` is what --grid is for.
-std::shared_ptr<GridInputOptions> add_grid_options(CLI::App& command, const std::string& purpose);
+std::shared_ptr<GridInputOptions> add_grid_options(Command command, const std::string& purpose);
 // Their names.
 const std::vector<std::string>& grid_option_names();
 

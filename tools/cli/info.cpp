@@ -3,7 +3,6 @@
 #include <memory>
 #include <sstream>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -210,18 +209,18 @@ void run_info(const std::string& path, const CommonOptions& common) {
 
 }  // namespace
 
-void add_info_command(CLI::App& app, CommonOptions& common) {
-  auto* command = app.add_subcommand("info", "What a file holds and how it was made: assets, parts, scenes, images");
+void add_info_command(Command app, CommonOptions& common) {
+  Command command = app.add_subcommand("info", "What a file holds and how it was made: assets, parts, scenes, images");
   auto path = std::make_shared<std::string>();
-  command->add_option("file", *path, "File: .vdb, .gltf, .glb, a baked .exr or .json, or an image")
-      ->required()
-      ->type_name("FILE");
-  command->footer(
+  command.add_option("file", *path, "File: .vdb, .gltf, .glb, a baked .exr or .json, or an image")
+      .required()
+      .type_name("FILE");
+  command.footer(
       "Lengths are in metres, powers in lumen (R G B), irradiance in lux.\n"
-      "Examples:\n"
+      "\nExamples:\n"
       "  ivory info room.vdb\n"
       "  ivory info room.glb --json");
-  set_action(*command, common, Output::none, [path, &common] { run_info(*path, common); });
+  set_action(command, common, Output::none, [path, &common] { run_info(*path, common); });
 }
 
 }  // namespace ivory

@@ -43,23 +43,24 @@ int run(int argc, char** argv) {
 
   // One line a command of commands.h.
   ivory::CommonOptions common;
-  CLI::App* bake = app.add_subcommand("bake", "Bake light into an asset");
-  bake->require_subcommand(1);
-  ivory::add_bake_grid_command(*bake, common);
-  ivory::add_bake_cubemap_command(*bake, common);
-  ivory::add_bake_lobes_command(*bake, common);
-  ivory::add_bake_spheres_command(*bake, common);
-  ivory::add_bake_difmap_command(*bake, common);
-  ivory::add_bake_sh9_command(*bake, common);
-  ivory::add_bake_fiv_command(*bake, common);
-  ivory::add_merge_command(app, common);
-  ivory::add_probe_command(app, common);
-  ivory::add_render_command(app, common);
-  ivory::add_view_command(app, common);
-  ivory::add_compare_command(app, common);
-  ivory::add_info_command(app, common);
-  ivory::add_bench_command(app, common);
-  ivory::add_chart_command(app, common);
+  ivory::Command program(app);
+  ivory::Command bake = program.add_subcommand("bake", "Bake light into an asset");
+  bake.require_subcommand();
+  ivory::add_bake_grid_command(bake, common);
+  ivory::add_bake_cubemap_command(bake, common);
+  ivory::add_bake_lobes_command(bake, common);
+  ivory::add_bake_spheres_command(bake, common);
+  ivory::add_bake_difmap_command(bake, common);
+  ivory::add_bake_sh9_command(bake, common);
+  ivory::add_bake_fiv_command(bake, common);
+  ivory::add_merge_command(program, common);
+  ivory::add_probe_command(program, common);
+  ivory::add_render_command(program, common);
+  ivory::add_view_command(program, common);
+  ivory::add_compare_command(program, common);
+  ivory::add_info_command(program, common);
+  ivory::add_bench_command(program, common);
+  ivory::add_chart_command(program, common);
 
   try {
     app.parse(argc, argv);

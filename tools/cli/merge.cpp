@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include "grid/base/error.h"
@@ -53,19 +52,19 @@ void run_merge(const MergeOptions& options, const CommonOptions& common) {
 
 }  // namespace
 
-void add_merge_command(CLI::App& app, CommonOptions& common) {
-  auto* command = app.add_subcommand("merge", "Add up partial bakes (bake grid --photon-range) into one file");
+void add_merge_command(Command app, CommonOptions& common) {
+  Command command = app.add_subcommand("merge", "Add up partial bakes (bake grid --photon-range) into one file");
   auto options = std::make_shared<MergeOptions>();
-  command->add_option("parts", options->parts, "Parts of one bake, in any order")->required()->type_name("PART.vdb");
-  command->add_option("-o,--output", options->output, "File to write, .vdb")->required()->type_name("OUT.vdb");
-  command->footer(
+  command.add_option("parts", options->parts, "Parts of one bake, in any order").required().type_name("PART.vdb");
+  command.add_option("-o,--output", options->output, "File to write, .vdb").required().type_name("OUT.vdb");
+  command.footer(
       "Once the parts hold every photon of the bake, the output is the finished grid, to the byte what one\n"
       "machine would have baked; until then it is a larger part.\n"
-      "Example:\n"
+      "\nExample:\n"
       "  ivory bake grid room.glb -o a.vdb --photons 16m --photon-range 0:8m\n"
       "  ivory bake grid room.glb -o b.vdb --photons 16m --photon-range 8m:16m\n"
       "  ivory merge a.vdb b.vdb -o room.vdb");
-  set_action(*command, common, Output::file, [options, &common] { run_merge(*options, common); });
+  set_action(command, common, Output::file, [options, &common] { run_merge(*options, common); });
 }
 
 }  // namespace ivory

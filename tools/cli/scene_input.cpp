@@ -49,4 +49,9 @@ std::unique_ptr<SceneInput> load_scene_input(const std::string& path, const Envi
   return input;
 }
 
+SphereLight parse_sphere_light(std::string_view option, std::string_view text) {
+  const std::vector<float> v = parse_floats(option, text, 7, "X,Y,Z,RADIUS,R,G,B");
+  return {V3f(v[0], v[1], v[2]), v[3], Rgb(v[4], v[5], v[6])};
+}
+
 }  // namespace ivory

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "grid/base/metadata.h"
@@ -38,5 +39,8 @@ void check_environment(const std::string& path, const Metadata& metadata, const 
 std::unique_ptr<SceneInput> load_scene_input(const std::string& path, const EnvironmentChoice& environment,
                                              const CommonOptions& common,
                                              const std::function<void(Scene&)>& extend = {});
+
+// "X,Y,Z,RADIUS,R,G,B": place and radius in metres, radiance in nits. Throws UsageError naming `option`.
+SphereLight parse_sphere_light(std::string_view option, std::string_view text);
 
 }  // namespace ivory

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
@@ -44,15 +43,14 @@ ProbeEstimates probe_cubemap(CubeMethod method, const ProbeRequest& request) {
 
 }  // namespace
 
-ProbeSource make_cubemap_source(CLI::App& command) {
+ProbeSource make_cubemap_source(Command command) {
   auto lookup = std::make_shared<std::string>("polygon");
   command
       .add_option("--lookup", *lookup,
                   "How a cube map is read: texels as polygons, polygons as published, points, or by an\n"
                   "irradiance map of 6x16x16 texels convolved at the reference point, distances ignored")
-      ->check(CLI::IsMember({"polygon", "polygon_paper", "point", "convolved"}))
-      ->capture_default_str()
-      ->group("For cube maps");
+      .one_of({"polygon", "polygon_paper", "point", "convolved"})
+      .group("For cube maps");
   ProbeSource source;
   source.name = "cube maps";
   source.options = {"--lookup"};

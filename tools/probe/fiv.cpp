@@ -3,7 +3,6 @@
 
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <tbb/parallel_for.h>
 
 #include "grid/base/error.h"
@@ -34,14 +33,13 @@ ProbeEstimates probe_fiv(Straddling straddling, const ProbeRequest& request) {
 
 }  // namespace
 
-ProbeSource make_fiv_source(CLI::App& command) {
+ProbeSource make_fiv_source(Command command) {
   auto straddling = std::make_shared<std::string>("bound");
   command
       .add_option("--straddling", *straddling,
                   "FIV tables: occluders that reach below a point's plane; bound, or the published scale")
-      ->check(CLI::IsMember({"bound", "scale"}))
-      ->capture_default_str()
-      ->group("For FIV tables: E that the occluder hides; x,y,z relative to its bounding sphere's centre");
+      .one_of({"bound", "scale"})
+      .group("For FIV tables: E that the occluder hides; x,y,z relative to its bounding sphere's centre");
   ProbeSource source;
   source.name = "FIV tables";
   source.options = {"--straddling"};

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
@@ -93,29 +92,26 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
 
 }  // namespace
 
-ProbeSource make_grid_source(CLI::App& command) {
+ProbeSource make_grid_source(Command command) {
   auto options = std::make_shared<GridOptions>();
   const std::string grids = "For grids";
   command.add_option("--scene", options->scene, "The scene that was baked, for --guard rays")
-      ->type_name("SCENE")
-      ->group(grids);
+      .type_name("SCENE")
+      .group(grids);
   command
       .add_option("--guard", options->guard,
                   "What keeps leaks out: rays [with --scene], the stored planes\n[where there are any], off")
-      ->check(CLI::IsMember({"rays", "planes", "off"}))
-      ->group(grids);
+      .one_of({"rays", "planes", "off"})
+      .group(grids);
   command.add_option("--interpolation", options->interpolation, "Between vertices")
-      ->check(CLI::IsMember({"trilinear", "tricubic"}))
-      ->capture_default_str()
-      ->group(grids);
+      .one_of({"trilinear", "tricubic"})
+      .group(grids);
   command.add_option("--reconstruction", options->reconstruction, "From stored moments to E(n)")
-      ->check(CLI::IsMember({"optimal", "paper"}))
-      ->capture_default_str()
-      ->group(grids);
+      .one_of({"optimal", "paper"})
+      .group(grids);
   command.add_option("--nudge", options->nudge_voxels, "Points move this far along n first, in voxels")
-      ->check(within(0.0, 2.0), "in [0 - 2]")
-      ->capture_default_str()
-      ->group(grids);
+      .within(0.0, 2.0)
+      .group(grids);
 
   ProbeSource source;
   source.name = "grids";

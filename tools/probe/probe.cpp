@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -32,13 +31,14 @@ const ProbeSource& choose_source(const std::string& path, const std::vector<Prob
   throw Error(path, "is nothing that can be probed", "give one of: " + names);
 }
 
-void run_probe(const ProbeOptions& options, const std::vector<ProbeSource>& sources, const CLI::App& command,
+void run_probe(const ProbeOptions& options, const std::vector<ProbeSource>& sources, const Command& command,
                const CommonOptions& common) {
   const ProbeSource& source = choose_source(options.source, sources);
   for (const ProbeSource& other : sources) {
     for (const std::string& option : other.options) {
       const bool read = std::find(source.options.begin(), source.options.end(), option) != source.options.end();
-      if (!read && command.count(option) > 0) throw UsageError(fmt::format("{} serves {} only", option, other.name));
+      if (!read && command.get_option(option).given())
+        throw UsageError(fmt::format("{} serves {} only", option, other.name));
     }
   }
   check_output(options.output, common);
@@ -60,42 +60,42 @@ void run_probe(const ProbeOptions& options, const std::vector<ProbeSource>& sour
 
 }  // namespace
 
-void add_probe_command(CLI::App& app, CommonOptions& common) {
-  auto* command =
+void add_probe_command(Command app, CommonOptions& common) {
+  Command command =
       app.add_subcommand("probe", "Irradiance at given points: from any asset, or path-traced from a scene");
   auto options = std::make_shared<ProbeOptions>();
   command
-      ->add_option("source", options->source,
-                   "Grid (.vdb), cube map or DifMap (.exr), SH9 (.json), scene (.gltf, .glb) for path-traced\ntruth, "
-                   "or environment map (.exr, .hdr ...) for the sum over its texels")
-      ->required()
-      ->type_name("SOURCE");
-  command->add_option("--points", options->points, "Points: columns x,y,z (metres) and nx,ny,nz")
-      ->required()
-      ->type_name("P.csv");
+      .add_option("source", options->source,
+                  "Grid (.vdb), cube map or DifMap (.exr), SH9 (.json), scene (.gltf, .glb) for path-traced\ntruth, "
+                  "or environment map (.exr, .hdr ...) for the sum over its texels")
+      .required()
+      .type_name("SOURCE");
+  command.add_option("--points", options->points, "Points: columns x,y,z (metres) and nx,ny,nz")
+      .required()
+      .type_name("P.csv");
   command
-      ->add_option("-o,--output", options->output,
-                   "P's columns and r,g,b (lux), r_se,g_se,b_se (standard errors; a grid's are of its\nphotons' noise "
-                   "alone, estimated a quarter too large as a rule)")
-      ->required()
-      ->type_name("OUT.csv");
-  command->add_flag("--indirect-only", options->indirect_only, "Leave out light straight from its sources");
+      .add_option("-o,--output", options->output,
+                  "P's columns and r,g,b (lux), r_se,g_se,b_se (standard errors; a grid's are of its\nphotons' noise "
+                  "alone, estimated a quarter too large as a rule)")
+      .required()
+      .type_name("OUT.csv");
+  command.add_flag("--indirect-only", options->indirect_only, "Leave out light straight from its sources");
 
   auto sources = std::make_shared<std::vector<ProbeSource>>();
-  sources->push_back(make_grid_source(*command));
-  sources->push_back(make_cubemap_source(*command));
+  sources->push_back(make_grid_source(command));
+  sources->push_back(make_cubemap_source(command));
   sources->push_back(make_sh9_source());
   sources->push_back(make_difmap_source());
-  sources->push_back(make_scene_source(*command));
-  sources->push_back(make_fiv_source(*command));
+  sources->push_back(make_scene_source(command));
+  sources->push_back(make_fiv_source(command));
   sources->push_back(make_environment_source());
-  command->footer(
+  command.footer(
       "Examples:\n"
       "  ivory probe room.vdb --points p.csv -o grid.csv --scene room.glb\n"
       "  ivory probe sky.hdr --points p.csv -o exact.csv\n"
       "  ivory probe room.glb --points p.csv -o truth.csv --indirect-only --samples 64k");
-  set_action(*command, common, Output::file,
-             [options, sources, command, &common] { run_probe(*options, *sources, *command, common); });
+  set_action(command, common, Output::file,
+             [options, sources, command, &common] { run_probe(*options, *sources, command, common); });
 }
 
 }  // namespace ivory

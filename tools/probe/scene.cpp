@@ -1,8 +1,6 @@
 // ivory probe SCENE: irradiance by path tracing, the truth.
 #include <memory>
 
-#include <CLI/CLI.hpp>
-
 #include "grid/base/error.h"
 #include "tools/cli/scene_input.h"
 #include "tools/probe/source.h"
@@ -49,12 +47,12 @@ ProbeEstimates probe_path_traced(const SceneOptions& options, const ProbeRequest
 
 }  // namespace
 
-ProbeSource make_scene_source(CLI::App& command) {
+ProbeSource make_scene_source(Command command) {
   auto options = std::make_shared<SceneOptions>();
   const std::string scenes = "For scenes";
   add_environment_options(command, options->environment, scenes);
   command
-      .add_option_function<std::string>(
+      .add_option(
           "--samples",
           [options](const std::string& text) {
             options->samples = parse_count("--samples", text);
@@ -62,12 +60,11 @@ ProbeSource make_scene_source(CLI::App& command) {
               throw UsageError("--samples must lie between 2 and 2g");
           },
           "Paths a point; k, m, g are allowed")
-      ->default_str("1024")
-      ->type_name("COUNT")
-      ->group(scenes);
-  add_count_option(command, "--seed", options->seed, "Seed of the random numbers")->group(scenes);
-  add_count_option(command, "--bounces", options->bounces, 1, 1'000'000, "Surfaces a path may scatter at")
-      ->group(scenes);
+      .default_str("1024")
+      .type_name("COUNT")
+      .group(scenes);
+  command.add_count("--seed", options->seed, "Seed of the random numbers").group(scenes);
+  command.add_count("--bounces", options->bounces, 1, 1'000'000, "Surfaces a path may scatter at").group(scenes);
   ProbeSource source;
   source.name = "scenes";
   source.options = {"--env", "--layout", "--samples", "--seed", "--bounces"};

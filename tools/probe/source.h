@@ -33,12 +33,12 @@ struct ProbeSource {
 };
 
 // Each adds its options to the command.
-ProbeSource make_grid_source(CLI::App& command);
-ProbeSource make_cubemap_source(CLI::App& command);
+ProbeSource make_grid_source(Command command);
+ProbeSource make_cubemap_source(Command command);
 ProbeSource make_sh9_source();  // no options of their own
 ProbeSource make_difmap_source();
 ProbeSource make_environment_source();  // any image that no other source takes: comes last
-ProbeSource make_scene_source(CLI::App& command);
-ProbeSource make_fiv_source(CLI::App& command);
+ProbeSource make_scene_source(Command command);
+ProbeSource make_fiv_source(Command command);
 
 }  // namespace ivory

@@ -4,7 +4,6 @@
 #include <memory>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
@@ -44,18 +43,17 @@ Film render_cubemap(const CubemapOptions& options, const RenderRequest& request)
 
 }  // namespace
 
-RenderMethod make_cubemap_method(CLI::App& command, const std::shared_ptr<GridInputOptions>& grid) {
+RenderMethod make_cubemap_method(Command command, const std::shared_ptr<GridInputOptions>& grid) {
   auto options = std::make_shared<CubemapOptions>();
   options->grid = grid;
   command.add_option("--cubemap", options->path, "Localized cube map that lights the objects (see ivory bake cubemap)")
-      ->type_name("MAP.exr");
+      .type_name("MAP.exr");
   command
       .add_option("--lookup", options->lookup,
                   "How the cube map is read: texels as polygons; polygons without a cut at the horizon, as\n"
                   "published; points; or a map of 6x16x16 texels convolved at the reference point, distances\n"
                   "ignored")
-      ->check(CLI::IsMember({"polygon", "polygon_paper", "point", "convolved"}))
-      ->capture_default_str();
+      .one_of({"polygon", "polygon_paper", "point", "convolved"});
   RenderMethod method;
   method.name = "cubemap";
   method.summary = "path, or direct with --grid, but --object lit by --cubemap";

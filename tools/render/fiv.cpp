@@ -5,7 +5,6 @@
 #include <map>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
@@ -106,28 +105,26 @@ Film render(const FivOptions& options, const RenderRequest& request) {
 
 }  // namespace
 
-RenderMethod make_fiv_method(CLI::App& command) {
+RenderMethod make_fiv_method(Command command) {
   auto options = std::make_shared<FivOptions>();
   command
       .add_option("--occluder", options->occluders,
                   "FIV table of the scene's or an object's node of that name, wherever it stands; may be repeated;\n"
                   "nodes with extras.ivory_occluder need none")
-      ->allow_extra_args(false)
-      ->type_name("NODE=TABLE.exr");
+      .repeated()
+      .type_name("NODE=TABLE.exr");
   command
       .add_option("--ambient", options->ambient,
                   "Unshadowed irradiance of --env, by ivory bake difmap or sh9 [found at start]")
-      ->type_name("DIFMAP.exr|SH9.json");
+      .type_name("DIFMAP.exr|SH9.json");
   command
       .add_option("--overlap", options->overlap,
                   "How light that several occluders hide is counted once: discs is the published rule")
-      ->check(CLI::IsMember({"covers", "discs", "product", "none"}))
-      ->capture_default_str();
+      .one_of({"covers", "discs", "product", "none"});
   command
       .add_option("--straddling", options->straddling,
                   "Occluders that reach below a receiver's plane: bound, or the published scale")
-      ->check(CLI::IsMember({"bound", "scale"}))
-      ->capture_default_str();
+      .one_of({"bound", "scale"});
   RenderMethod method;
   method.name = "fiv";
   method.summary = "diffuse light of --env, shadowed by --occluder tables";

@@ -1,7 +1,6 @@
 // ivory render --method direct | gather: indirect light from a baked grid.
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
@@ -51,9 +50,9 @@ RenderMethod make_method(const std::shared_ptr<GatherOptions>& options, bool gat
 
 }  // namespace
 
-std::shared_ptr<std::uint64_t> add_gather_option(CLI::App& command) {
+std::shared_ptr<std::uint64_t> add_gather_option(Command command) {
   auto gather = std::make_shared<std::uint64_t>(16);
-  add_count_option(command, "--gather", *gather, "Rays a sample");
+  command.add_count("--gather", *gather, "Rays a sample");
   return gather;
 }
 

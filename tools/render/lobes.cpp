@@ -3,7 +3,6 @@
 
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
@@ -69,39 +68,34 @@ Film render(const LobeOptions& options, const RenderRequest& request) {
 
 }  // namespace
 
-RenderMethod make_lobes_method(CLI::App& command) {
+RenderMethod make_lobes_method(Command command) {
   auto options = std::make_shared<LobeOptions>();
   command.add_option("--lobes", options->table, "Table of lobe products [built at start, in a second]")
-      ->type_name("LOBES.exr");
+      .type_name("LOBES.exr");
   command
       .add_option("--spheres", options->sphere_sets, "Sphere set that casts shadows, moved by X,Y,Z; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("SET.json[@X,Y,Z]");
+      .repeated()
+      .type_name("SET.json[@X,Y,Z]");
   command
       .add_option("--shadows", options->shadows,
                   "lobes: masks of sphere sets; spheres, mesh: Monte Carlo on the sets or on the triangles; none")
-      ->check(CLI::IsMember({"lobes", "spheres", "mesh", "none"}))
-      ->capture_default_str();
-  add_count_option(command, "--shadow-rays", options->shadow_rays,
-                   "Rays a light and sample, stratified (with --shadows spheres or mesh)");
+      .one_of({"lobes", "spheres", "mesh", "none"});
+  command.add_count("--shadow-rays", options->shadow_rays,
+                    "Rays a light and sample, stratified (with --shadows spheres or mesh)");
   command.add_option("--mask-depth", options->params.mask_depth, "Depth of the visibility mask's quad-tree")
-      ->check(CLI::Range(0, max_mask_depth))
-      ->capture_default_str();
+      .within(0, max_mask_depth);
   command
       .add_option("--mask", options->mask,
                   "What of a mask's cell must lie behind a sphere: its center, its inside, or be touched")
-      ->check(CLI::IsMember({"center", "inside", "touched"}))
-      ->capture_default_str();
+      .one_of({"center", "inside", "touched"});
   command
       .add_option("--threshold", options->params.threshold,
                   "Lobe products under this fraction of the unshadowed light are dropped")
-      ->check(within(0.0, 1.0), "in [0 - 1]")
-      ->capture_default_str();
+      .within(0.0, 1.0);
   command
       .add_option("--split", options->params.max_split_level,
                   "A light wider than a highlight is taken as up to 4^SPLIT lobes")
-      ->check(CLI::Range(0, max_mask_depth))
-      ->capture_default_str();
+      .within(0, max_mask_depth);
   RenderMethod method;
   method.name = "lobes";
   method.summary = "direct light of spherical lights by cosine lobes";

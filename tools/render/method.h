@@ -39,15 +39,15 @@ struct RenderMethod {
 };
 
 // Each adds its options to the command; what the returned functions share lives as long as they do.
-RenderMethod make_path_method(CLI::App& command);
+RenderMethod make_path_method(Command command);
 // --gather, the rays a sample: of the grid's `gather` and of the photon map.
-std::shared_ptr<std::uint64_t> add_gather_option(CLI::App& command);
+std::shared_ptr<std::uint64_t> add_gather_option(Command command);
 std::vector<RenderMethod> make_grid_methods(const std::shared_ptr<GridInputOptions>& grid,
                                             const std::shared_ptr<std::uint64_t>& gather);  // direct, gather
-RenderMethod make_photonmap_method(CLI::App& command, const std::shared_ptr<std::uint64_t>& gather);
-RenderMethod make_cubemap_method(CLI::App& command, const std::shared_ptr<GridInputOptions>& grid);
-RenderMethod make_lobes_method(CLI::App& command);
-RenderMethod make_fiv_method(CLI::App& command);
+RenderMethod make_photonmap_method(Command command, const std::shared_ptr<std::uint64_t>& gather);
+RenderMethod make_cubemap_method(Command command, const std::shared_ptr<GridInputOptions>& grid);
+RenderMethod make_lobes_method(Command command);
+RenderMethod make_fiv_method(Command command);
 
 // A count of a command line as an int; throws UsageError where it is less than `least` or too large.
 int int_count(const char* option, std::uint64_t count, std::uint64_t least);

@@ -1,17 +1,15 @@
 // ivory render --method path.
 #include <memory>
 
-#include <CLI/CLI.hpp>
-
 #include "tools/render/method.h"
 #include "tracer/render/path_tracer.h"
 
 namespace ivory {
 
-RenderMethod make_path_method(CLI::App& command) {
+RenderMethod make_path_method(Command command) {
   auto max_bounces = std::make_shared<std::uint64_t>(PathParams{}.max_bounces);
-  add_count_option(command, "--max-bounces", *max_bounces,
-                   "Surfaces that light may scatter at; Russian roulette ends most paths before");
+  command.add_count("--max-bounces", *max_bounces,
+                    "Surfaces that light may scatter at; Russian roulette ends most paths before");
   RenderMethod method;
   method.name = "path";
   method.summary = "reference path tracer";

@@ -1,7 +1,6 @@
 // ivory render --method photonmap: indirect light from a photon map, made for the picture.
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
@@ -18,13 +17,13 @@ struct PhotonMapOptions {
   std::uint64_t photons = PhotonMapParams{}.photons;
   std::uint64_t neighbours = std::uint64_t(PhotonMapParams{}.neighbours);
   std::shared_ptr<std::uint64_t> gather;
-  const CLI::Option* gather_option = nullptr;
+  std::optional<Option> gather_option;
   // What was made of them, for describe().
   std::size_t stored = 0;
   std::size_t bytes = 0;
 
   // Read at the visible surface unless rays are asked for.
-  int gather_rays() const { return gather_option->count() > 0 ? int_count("--gather", *gather, 0) : 0; }
+  int gather_rays() const { return gather_option->given() ? int_count("--gather", *gather, 0) : 0; }
 };
 
 Film render(PhotonMapOptions& options, const RenderRequest& request) {
@@ -50,12 +49,12 @@ Film render(PhotonMapOptions& options, const RenderRequest& request) {
 
 }  // namespace
 
-RenderMethod make_photonmap_method(CLI::App& command, const std::shared_ptr<std::uint64_t>& gather) {
+RenderMethod make_photonmap_method(Command command, const std::shared_ptr<std::uint64_t>& gather) {
   auto options = std::make_shared<PhotonMapOptions>();
   options->gather = gather;
   options->gather_option = command.get_option("--gather");
-  add_count_option(command, "--photons", options->photons, "Photons sent out from the lights");
-  add_count_option(command, "--neighbours", options->neighbours, "Photons that an estimate of their density counts");
+  command.add_count("--photons", options->photons, "Photons sent out from the lights");
+  command.add_count("--neighbours", options->neighbours, "Photons that an estimate of their density counts");
   RenderMethod method;
   method.name = "photonmap";
   method.summary = "photon map with precomputed irradiance, to compare with; read directly, or behind --gather rays";

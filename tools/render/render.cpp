@@ -10,7 +10,6 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -94,13 +93,13 @@ std::map<std::string, std::string> readers_of_options(const std::vector<RenderMe
 }
 
 // Scripts run one line with several methods, so options of another method are no error; but said.
-void note_ignored(const CLI::App& command, const RenderOptions& options, const std::vector<RenderMethod>& methods,
+void note_ignored(const Command& command, const RenderOptions& options, const std::vector<RenderMethod>& methods,
                   const CommonOptions& common) {
   const auto chosen = std::find_if(methods.begin(), methods.end(),
                                    [&](const RenderMethod& method) { return method.name == options.method; });
   for (const auto& [option, names] : readers_of_options(methods)) {
     const bool read = std::find(chosen->options.begin(), chosen->options.end(), option) != chosen->options.end();
-    if (!read && command.get_option(option)->count() > 0)
+    if (!read && command.get_option(option).given())
       print_note(common, fmt::format("note: {} is ignored, it serves --method {}", option, names));
   }
   if (options.exposure_stops && std::all_of(options.outputs.begin(), options.outputs.end(), is_linear_image))
@@ -176,80 +175,76 @@ int int_count(const char* option, std::uint64_t count, std::uint64_t least) {
   return int(count);
 }
 
-void add_render_command(CLI::App& app, CommonOptions& common) {
-  auto* command = app.add_subcommand("render", "Render a picture by path tracing or from baked assets");
+void add_render_command(Command app, CommonOptions& common) {
+  Command command = app.add_subcommand("render", "Render a picture by path tracing or from baked assets");
   auto options = std::make_shared<RenderOptions>();
-  command->add_option("scene", options->scene, "Scene: .gltf or .glb, metres, +Y up")->required()->type_name("SCENE");
+  command.add_option("scene", options->scene, "Scene: .gltf or .glb, metres, +Y up").required().type_name("SCENE");
   command
-      ->add_option("-o,--output", options->outputs,
-                   "Picture to write: .exr, .hdr, .tif keep linear nits; .png, .jpg are tone-mapped; may be repeated")
-      ->allow_extra_args(false)
-      ->required()
-      ->type_name("IMAGE");
-  CLI::Option* method_option = command->add_option("--method", options->method)->capture_default_str();
-  add_count_option(*command, "--samples", options->samples, "Samples a pixel");
-  add_count_option(*command, "--seed", options->seed, "Seed of the random numbers");
-  add_image_size_option(*command, "--size", options->size, "Size of the picture in pixels");
+      .add_option("-o,--output", options->outputs,
+                  "Picture to write: .exr, .hdr, .tif keep linear nits; .png, .jpg are tone-mapped; may be repeated")
+      .repeated()
+      .required()
+      .type_name("IMAGE");
+  Option method_option = command.add_option("--method", options->method);
+  command.add_count("--samples", options->samples, "Samples a pixel");
+  command.add_count("--seed", options->seed, "Seed of the random numbers");
+  command.add_image_size("--size", options->size, "Size of the picture in pixels");
   command
-      ->add_option("--camera", options->camera,
-                   "The scene's camera, by name or index [the first; a framing view where it has none]")
-      ->type_name("NAME|INDEX");
-  add_environment_options(*command, options->environment);
+      .add_option("--camera", options->camera,
+                  "The scene's camera, by name or index [the first; a framing view where it has none]")
+      .type_name("NAME|INDEX");
+  add_environment_options(command, options->environment);
   command
-      ->add_option("--object", options->objects,
-                   "An object that moves: a model placed in the scene, or a node of the scene; may be repeated.\n"
-                   "Methods other than cubemap light it like all else")
-      ->allow_extra_args(false)
-      ->type_name("FILE.glb[@X,Y,Z]|NODE");
-  command->add_flag("--indirect-only", options->indirect_only,
-                    "Only light with at least one surface between its source and the first surface seen");
+      .add_option("--object", options->objects,
+                  "An object that moves: a model placed in the scene, or a node of the scene; may be repeated.\n"
+                  "Methods other than cubemap light it like all else")
+      .repeated()
+      .type_name("FILE.glb[@X,Y,Z]|NODE");
+  command.add_flag("--indirect-only", options->indirect_only,
+                   "Only light with at least one surface between its source and the first surface seen");
   command
-      ->add_option_function<float>(
-          "--exposure", [options](float stops) { options->exposure_stops = stops; },
-          "Stops for tone-mapped pictures [mean luminance to middle grey, highlights to white]")
-      ->check(within(-100.0, 100.0), "in [-100 - 100]")
-      ->type_name("STOPS");
+      .add_option("--exposure", options->exposure_stops,
+                  "Stops for tone-mapped pictures [mean luminance to middle grey, highlights to white]")
+      .within(-100.0, 100.0)
+      .type_name("STOPS");
   command
-      ->add_option_function<std::vector<std::string>>(
+      .add_option(
           "--sphere-light",
-          [options](const std::vector<std::string>& texts) {
-            for (const std::string& text : texts) {
-              const std::vector<float> v = parse_floats("--sphere-light", text, 7, "X,Y,Z,RADIUS,R,G,B");
-              options->sphere_lights.push_back({V3f(v[0], v[1], v[2]), v[3], Rgb(v[4], v[5], v[6])});
-              options->sphere_light_texts.push_back(text);
-            }
+          [options](const std::string& text) {
+            options->sphere_lights.push_back(parse_sphere_light("--sphere-light", text));
+            options->sphere_light_texts.push_back(text);
           },
           "Adds a ball of light: place and radius in metres, radiance in nits; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("X,Y,Z,RADIUS,R,G,B");
+      .repeated()
+      .type_name("X,Y,Z,RADIUS,R,G,B");
   auto methods = std::make_shared<std::vector<RenderMethod>>();
-  methods->push_back(make_path_method(*command));
-  const auto grid = add_grid_options(*command, "Baked grid of indirect light");
-  const auto gather = add_gather_option(*command);
+  methods->push_back(make_path_method(command));
+  const auto grid = add_grid_options(command, "Baked grid of indirect light");
+  const auto gather = add_gather_option(command);
   for (RenderMethod& method : make_grid_methods(grid, gather)) methods->push_back(std::move(method));
-  methods->push_back(make_photonmap_method(*command, gather));
-  methods->push_back(make_cubemap_method(*command, grid));
-  methods->push_back(make_lobes_method(*command));
-  methods->push_back(make_fiv_method(*command));
+  methods->push_back(make_photonmap_method(command, gather));
+  methods->push_back(make_cubemap_method(command, grid));
+  methods->push_back(make_lobes_method(command));
+  methods->push_back(make_fiv_method(command));
   std::vector<std::string> names;
   std::string summary;
   for (const RenderMethod& method : *methods) {
     names.push_back(method.name);
     summary += (summary.empty() ? "" : "\n") + method.name + ": " + method.summary;
   }
-  method_option->description(summary)->check(CLI::IsMember(names));
+  method_option.description(summary).one_of(names);
   for (const auto& [option, readers] : readers_of_options(*methods))
-    command->get_option(option)->group("For --method " + readers);
-  command->footer(
+    command.get_option(option).group("For --method " + readers);
+  command.footer(
       "The same command gives the same bytes with any --threads.\n"
       "--json: render_seconds is the wall time of the picture's rays and shading alone, the same for all methods;\n"
       "seconds adds what the method loads or makes for the picture: the grid, the photon map, tables of lobes, sphere\n"
       "sets, occluders, cube maps. Neither counts loading the scene and writing the picture.\n"
-      "Examples:\n"
+      "\nExamples:\n"
       "  ivory render room.glb -o room.exr -o room.png --samples 256\n"
       "  ivory render room.glb -o room.png --method gather --grid room.vdb --samples 16 --gather 16");
-  set_action(*command, common, Output::file, [command, options, methods, &common] {
-    note_ignored(*command, *options, *methods, common);
+  set_action(command, common, Output::file, [command, options, methods, &common] {
+    note_ignored(command, *options, *methods, common);
     const auto chosen = std::find_if(methods->begin(), methods->end(),
                                      [&](const RenderMethod& method) { return method.name == options->method; });
     run_render(*options, *chosen, common);

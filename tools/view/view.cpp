@@ -4,7 +4,6 @@
 #include <map>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
@@ -96,201 +95,173 @@ void run_view(const ViewCommand& command, const CommonOptions& common) {
     run_window(run, common);
 }
 
-void add_scene_options(CLI::App& app, ViewCommand& command) {
-  app.add_option("scene", command.run.input.scene, "Scene: .gltf or .glb, metres, +Y up")
-      ->required()
-      ->type_name("SCENE");
+void add_scene_options(Command app, ViewCommand& command) {
+  app.add_option("scene", command.run.input.scene, "Scene: .gltf or .glb, metres, +Y up").required().type_name("SCENE");
   app.add_option("files", command.run.input.assets,
                  "What lights it, and more: grids (.vdb), SH9 (.json), DifMaps, FIV tables, localized cube maps and\n"
                  "lobe tables (.exr), sphere sets (.json), models (.glb) as objects, lat-long images as environment.\n"
                  "The same files may be dropped onto the window")
-      ->type_name("FILE");
+      .type_name("FILE");
   app.add_option("--camera", command.run.input.camera,
                  "The scene's camera, by name or index [the first; a framing view where it has none]")
-      ->type_name("NAME|INDEX");
+      .type_name("NAME|INDEX");
   add_environment_options(app, command.run.input.environment);
   app.add_option("--object", command.run.input.objects,
                  "An object that moves: a model placed in the scene, or a node of the scene; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("FILE.glb[@X,Y,Z]|NODE");
+      .repeated()
+      .type_name("FILE.glb[@X,Y,Z]|NODE");
   app.add_option(
          "--path", command.run.input.paths,
          "How the object of the same number moves: circle:RADIUS[,SECONDS] on the ground, line:X,Y,Z[,SECONDS]\n"
          "there and back, or keys:FILE.csv with lines t,x,y,z (seconds, metres from its place)")
-      ->allow_extra_args(false)
-      ->type_name("PATH");
+      .repeated()
+      .type_name("PATH");
 }
 
-void add_light_options(CLI::App& app, ViewCommand& command) {
+void add_light_options(Command app, ViewCommand& command) {
   const std::string group = "Light";
   app.add_option("--method", command.run.method,
                  "Where ambient light comes from: none, constant, sh9, difmap, grid (or direct, as ivory render calls\n"
                  "it), fiv, cubemap, lobes [the best of what is given]")
-      ->type_name("NAME")
-      ->group(group);
+      .type_name("NAME")
+      .group(group);
   app.add_option("--method-of", command.run.methods_of,
                  "The same for one object, by its name (file or node; 'scene' for the scene); may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("OBJECT=NAME")
-      ->group(group);
+      .repeated()
+      .type_name("OBJECT=NAME")
+      .group(group);
   // What ivory render calls the same files, for scripts that draw by both.
   for (const auto& [option, type] : {std::pair{"--grid", "GRID.vdb"},
                                      {"--ambient", "DIFMAP.exr|SH9.json"},
                                      {"--cubemap", "MAP.exr"},
                                      {"--lobes", "LOBES.exr"}}) {
-    app.add_option_function<std::vector<std::string>>(
-           option,
-           [&command](const std::vector<std::string>& paths) {
-             command.named.insert(command.named.end(), paths.begin(), paths.end());
-           },
-           "The same as FILE")
-        ->allow_extra_args(false)
-        ->type_name(type)
-        ->group(group);
+    app.add_option(
+           option, [&command](const std::string& path) { command.named.push_back(path); }, "The same as FILE")
+        .repeated()
+        .type_name(type)
+        .group(group);
   }
   app.add_option("--occluder", command.run.input.occluders,
                  "FIV table of a node, which becomes an object; tables given as FILE find their objects by themselves")
-      ->allow_extra_args(false)
-      ->type_name("NODE=TABLE.exr")
-      ->group(group);
-  app.add_option_function<std::vector<std::string>>(
+      .repeated()
+      .type_name("NODE=TABLE.exr")
+      .group(group);
+  app.add_option(
          "--sphere-light",
-         [&command](const std::vector<std::string>& texts) {
-           for (const std::string& text : texts) {
-             const std::vector<float> v = parse_floats("--sphere-light", text, 7, "X,Y,Z,RADIUS,R,G,B");
-             command.run.input.sphere_lights.push_back({V3f(v[0], v[1], v[2]), v[3], Rgb(v[4], v[5], v[6])});
-           }
+         [&command](const std::string& text) {
+           command.run.input.sphere_lights.push_back(parse_sphere_light("--sphere-light", text));
          },
          "Adds a ball of light for method lobes: place and radius in metres, radiance in nits; may be repeated")
-      ->allow_extra_args(false)
-      ->type_name("X,Y,Z,RADIUS,R,G,B")
-      ->group(group);
+      .repeated()
+      .type_name("X,Y,Z,RADIUS,R,G,B")
+      .group(group);
   app.add_option(
          "--spheres", command.run.input.spheres,
          "Sphere set that casts shadows by method lobes, moved by X,Y,Z, or with the object that it was fitted to")
-      ->allow_extra_args(false)
-      ->type_name("SET.json[@X,Y,Z]")
-      ->group(group);
+      .repeated()
+      .type_name("SET.json[@X,Y,Z]")
+      .group(group);
   app.add_option("--constant", command.constant, "Irradiance of method constant in lux [as bright as the grid]")
-      ->type_name("R,G,B")
-      ->group(group);
+      .type_name("R,G,B")
+      .group(group);
   app.add_option("--guard", command.guard, "Leak guard of grid look-ups")
-      ->check(CLI::IsMember({"planes", "off", "rays"}))
-      ->capture_default_str()
-      ->group(group);
+      .one_of({"planes", "off", "rays"})
+      .group(group);
   app.add_option("--interpolation", command.interpolation, "Between grid vertices; tricubic is the B-spline")
-      ->check(CLI::IsMember({"trilinear", "tricubic"}))
-      ->capture_default_str()
-      ->group(group);
+      .one_of({"trilinear", "tricubic"})
+      .group(group);
   app.add_option("--reconstruction", command.reconstruction, "Of irradiance from the stored vectors")
-      ->check(CLI::IsMember({"optimal", "paper"}))
-      ->capture_default_str()
-      ->group(group);
+      .one_of({"optimal", "paper"})
+      .group(group);
   app.add_option("--lookup", command.lookup, "How localized cube maps are read")
-      ->check(CLI::IsMember({"polygon", "polygon_paper", "point", "convolved"}))
-      ->capture_default_str()
-      ->group(group);
+      .one_of({"polygon", "polygon_paper", "point", "convolved"})
+      .group(group);
   app.add_option("--overlap", command.overlap, "How light that several FIV occluders hide is counted once")
-      ->check(CLI::IsMember({"covers", "discs", "product", "none"}))
-      ->capture_default_str()
-      ->group(group);
+      .one_of({"covers", "discs", "product", "none"})
+      .group(group);
   app.add_option("--straddling", command.straddling, "FIV occluders that reach below a receiver's plane")
-      ->check(CLI::IsMember({"bound", "scale"}))
-      ->capture_default_str()
-      ->group(group);
+      .one_of({"bound", "scale"})
+      .group(group);
   app.add_option("--mask-depth", command.run.settings.lobes.mask_depth, "Depth of the quad-tree of lobes' shadows")
-      ->check(CLI::Range(0, max_mask_depth))
-      ->capture_default_str()
-      ->group(group);
+      .within(0, max_mask_depth)
+      .group(group);
   app.add_option("--mask", command.mask, "What of a mask's cell must lie behind a sphere")
-      ->check(CLI::IsMember({"center", "inside", "touched"}))
-      ->capture_default_str()
-      ->group(group);
+      .one_of({"center", "inside", "touched"})
+      .group(group);
   app.add_option("--threshold", command.run.settings.lobes.threshold,
                  "Lobe products under this fraction of the unshadowed light are dropped")
-      ->check(within(0.0, 1.0), "in [0 - 1]")
-      ->capture_default_str()
-      ->group(group);
+      .within(0.0, 1.0)
+      .group(group);
   app.add_option("--split", command.run.settings.lobes.max_split_level,
                  "A light wider than a highlight is taken as up to 4^SPLIT lobes")
-      ->check(CLI::Range(0, max_mask_depth))
-      ->capture_default_str()
-      ->group(group);
+      .within(0, max_mask_depth)
+      .group(group);
   app.add_flag("--indirect-only", command.indirect_only, "Leave out the lights' own light, and what shines")
-      ->group(group);
+      .group(group);
   app.add_option("--shadow-size", command.run.settings.shadow_size, "Texels a side of shadow maps")
-      ->check(CLI::Range(16, 8192))
-      ->capture_default_str()
-      ->group(group);
+      .within(16, 8192)
+      .group(group);
 }
 
-void add_picture_options(CLI::App& app, ViewCommand& command) {
+void add_picture_options(Command app, ViewCommand& command) {
   const std::string group = "Picture";
-  add_image_size_option(app, "--size", command.size, "Size of the picture in pixels [640x480; window 1280x800]")
-      ->group(group);
-  add_count_option(app, "--samples", command.samples, "Points a pixel [4; window 16, once nothing moves]")
-      ->group(group);
-  app.add_option_function<float>(
-         "--exposure", [&command](float stops) { command.run.exposure_stops = stops; },
-         "Stops for tone-mapped pictures [as ivory render chooses, from the first frame]")
-      ->check(within(-100.0, 100.0), "in [-100 - 100]")
-      ->type_name("STOPS")
-      ->group(group);
+  app.add_image_size("--size", command.size, "Size of the picture in pixels [640x480; window 1280x800]").group(group);
+  app.add_count("--samples", command.samples, "Points a pixel [4; window 16, once nothing moves]").group(group);
+  app.add_option("--exposure", command.run.exposure_stops,
+                 "Stops for tone-mapped pictures [as ivory render chooses, from the first frame]")
+      .within(-100.0, 100.0)
+      .type_name("STOPS")
+      .group(group);
   app.add_option("--tone", command.tone, "Curve from light to display: neutral is that of ivory render")
-      ->check(CLI::IsMember(names_of(all_tone_curves)))
-      ->capture_default_str()
-      ->group(group);
+      .one_of(names_of(all_tone_curves))
+      .group(group);
   std::string debug = "What is shown instead of light, or on top of it:";
   for (const DebugView view : all_debug_views) debug += fmt::format("\n  {:<11} {}", name(view), summary(view));
   app.add_option("--debug,--view-mode", command.debug, debug)
-      ->check(CLI::IsMember(names_of(all_debug_views)))
-      ->type_name("NAME")
-      ->group(group);
+      .one_of(names_of(all_debug_views))
+      .type_name("NAME")
+      .group(group);
   app.add_flag("--false-color", command.run.settings.false_color, "Debug views irradiance and stored in false colours")
-      ->group(group);
-  app.add_option_function<float>(
-         "--range", [&command](float range) { command.run.settings.range = range; },
-         "Largest value of false colours [from the picture]")
-      ->check(CLI::PositiveNumber)
-      ->type_name("VALUE")
-      ->group(group);
+      .group(group);
+  app.add_option("--range", command.run.settings.range, "Largest value of false colours [from the picture]")
+      .positive()
+      .type_name("VALUE")
+      .group(group);
   app.add_option("--glyph-scale", command.run.settings.glyph_scale, "Size of spheres and vectors")
-      ->check(within(0.01, 100.0), "in [0.01 - 100]")
-      ->capture_default_str()
-      ->group(group);
+      .within(0.01, 100.0)
+      .group(group);
   app.add_option("--vertex-step", command.run.settings.vertex_step,
                  "Show each so many of the grid's vertices [so that at most 20000 show]")
-      ->check(CLI::Range(1, 65536))
-      ->type_name("N")
-      ->group(group);
+      .within(1, 65536)
+      .type_name("N")
+      .group(group);
   app.add_option("--reference", command.run.reference,
                  "Picture of the same size to compare with: .exr in nits; .png as displayed")
-      ->type_name("IMAGE")
-      ->group(group);
+      .type_name("IMAGE")
+      .group(group);
 }
 
 }  // namespace
 
-void add_view_command(CLI::App& app, CommonOptions& common) {
-  auto* command = app.add_subcommand("view", "Look at a scene lit by baked assets, in a window or without");
+void add_view_command(Command app, CommonOptions& common) {
+  Command command = app.add_subcommand("view", "Look at a scene lit by baked assets, in a window or without");
   auto options = std::make_shared<ViewCommand>();
-  add_scene_options(*command, *options);
-  command->add_flag("--headless", options->headless, "No window: draw --frames and write -o. Needs no display");
-  add_count_option(*command, "--frames", options->run.frames, "Frames to draw [1; in a window: until it is closed]");
-  command->add_option("--fps", options->run.frames_per_second, "Frames a second of the paths' time without a window")
-      ->check(CLI::Range(1e-3, 1e6))
-      ->capture_default_str();
+  add_scene_options(command, *options);
+  command.add_flag("--headless", options->headless, "No window: draw --frames and write -o. Needs no display");
+  command.add_count("--frames", options->run.frames, "Frames to draw [1; in a window: until it is closed]");
+  command.add_option("--fps", options->run.frames_per_second, "Frames a second of the paths' time without a window")
+      .within(1e-3, 1e6);
   command
-      ->add_option(
+      .add_option(
           "-o,--output", options->run.outputs,
           "Picture to write, may be repeated: .exr, .hdr, .tif keep linear nits, or the numbers of a debug view;\n"
           ".png, .jpg what the display shows. The last frame; each one where the name has a number: f_%04d.png.\n"
           "In a window: the name of screenshots [ivory_%04d.png]")
-      ->allow_extra_args(false)
-      ->type_name("IMAGE");
-  add_light_options(*command, *options);
-  add_picture_options(*command, *options);
-  command->footer(
+      .repeated()
+      .type_name("IMAGE");
+  add_light_options(command, *options);
+  add_picture_options(command, *options);
+  command.footer(
       "In the window: left mouse drags an object over the ground (Shift: in the picture's plane) and orbits "
       "elsewhere;\n"
       "right looks around, middle moves, the wheel comes closer; W A S D Q E fly; F all in view, Home the first view;\n"
@@ -298,13 +269,13 @@ void add_view_command(CLI::App& app, CommonOptions& common) {
       "exposure,\n"
       "Space halts the paths, Delete removes an object, H hides the panel, Esc quits (--json then prints where all "
       "is).\n"
-      "Examples:\n"
+      "\nExamples:\n"
       "  ivory view room.glb room.vdb\n"
       "  ivory view room.glb room.vdb --object knot.glb@0,0,1 --path circle:1,4\n"
       "  ivory view room.glb room.vdb --headless -o room.exr --indirect-only && ivory compare room.exr truth.exr\n"
       "  ivory view room.glb room.vdb --headless --debug vectors -o vectors.png\n"
       "  ivory view room.glb room.vdb --headless --object knot.glb --path circle:1,4 --frames 120 -o f_%04d.png");
-  set_action(*command, common, Output::file, [options, &common] { run_view(*options, common); });
+  set_action(command, common, Output::file, [options, &common] { run_view(*options, common); });
 }
 
 }  // namespace ivory

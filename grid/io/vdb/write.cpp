@@ -87,7 +87,8 @@ openvdb::MetaMap common_metadata(const char* kind, const GridFrame& frame, Basis
 template <typename Grid, typename Value>
 openvdb::GridBase::Ptr make_grid(const std::string& grid_name, const openvdb::math::Transform::Ptr& transform,
                                  const GridFrame& frame, const std::vector<bool>& active, const Value& value) {
-  const typename Grid::Ptr grid = Grid::create();
+  // From OpenVDB's registry: Grid::create() would compile all virtual functions of Grid and its tree here.
+  const auto grid = openvdb::gridPtrCast<Grid>(openvdb::GridBase::createGrid(Grid::gridType()));
   grid->setName(grid_name);
   grid->setCreator("ivory " IVORY_VERSION);
   grid->setTransform(transform);

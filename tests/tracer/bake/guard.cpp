@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/paths.h"
 #include "tracer/bake/field/baker.h"
 #include "tracer/gltf/loader.h"
 #include "tracer/render/guard_rays.h"
@@ -18,7 +19,7 @@ struct SurfacePoint {
   V3f n;
 };
 
-std::string scene_path(const std::string& name) { return std::string(IVORY_SOURCE_DIR "/scenes/") + name; }
+std::string scene_path(const std::string& name) { return std::string(source_folder) + "/scenes/" + name; }
 
 // Columns x,y,z,nx,ny,nz below one heading.
 std::vector<SurfacePoint> read_points(const std::string& name) {

@@ -9,6 +9,9 @@
 namespace ivory {
 namespace {
 
+// Embree divides by a reciprocal whose last bits depend on the instruction set: 2 may come out as 1.99999988.
+constexpr float rounding = 1e-6F;
+
 // The closest hit's distance from z = +-2 towards the origin, or nothing.
 std::optional<float> meet(const Intersector& intersector, float x, float from_z, bool eye) {
   Ray ray;
@@ -27,10 +30,10 @@ TEST(EyeRays, PassBackFacesOfSingleSidedMaterials) {
   add_mesh(scene, quad_at(0, add_lambert(scene, Rgb(0.5F))));
   add_mesh(scene, quad_at(2, add_lambert(scene, Rgb(0.5F), Rgb(0, 0, 0), true)));
   const Intersector intersector(scene);
-  EXPECT_EQ(meet(intersector, 0, 2, true), 2);
+  EXPECT_NEAR(meet(intersector, 0, 2, true).value_or(0), 2, rounding);
   EXPECT_EQ(meet(intersector, 0, -2, true), std::nullopt);
-  EXPECT_EQ(meet(intersector, 0, -2, false), 2);
-  EXPECT_EQ(meet(intersector, 2, -2, true), 2) << "double-sided";
+  EXPECT_NEAR(meet(intersector, 0, -2, false).value_or(0), 2, rounding);
+  EXPECT_NEAR(meet(intersector, 2, -2, true).value_or(0), 2, rounding) << "double-sided";
 }
 
 // A mirroring node reverses the winding (glTF 2.0, 3.7.4): a mirror along X keeps the front where it was,
@@ -48,10 +51,10 @@ TEST(EyeRays, KnowTheFrontOfMirroredNodes) {
       add_mesh(scene, quad_at(0, material), mirror_z);
     }
     const Intersector intersector(scene);
-    EXPECT_EQ(meet(intersector, 0, 2, true), 2) << instanced;
+    EXPECT_NEAR(meet(intersector, 0, 2, true).value_or(0), 2, rounding) << instanced;
     EXPECT_EQ(meet(intersector, 0, -2, true), std::nullopt) << instanced;
     EXPECT_EQ(meet(intersector, 4, 2, true), std::nullopt) << instanced;
-    EXPECT_EQ(meet(intersector, 4, -2, true), 2) << instanced;
+    EXPECT_NEAR(meet(intersector, 4, -2, true).value_or(0), 2, rounding) << instanced;
   }
 }
 

@@ -14,6 +14,7 @@
 #include "grid/base/error.h"
 #include "grid/env/cube_from_latlong.h"
 #include "tests/support/environment_pictures.h"
+#include "tests/support/paths.h"
 #include "tests/support/scene_check.h"
 #include "tracer/env/irradiance.h"
 #include "tracer/env/latlong_map.h"
@@ -28,7 +29,7 @@ constexpr double pi_d = 3.14159265358979323846;
 class EnvironmentFiles : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(IVORY_TEST_DATA_DIR) / testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder_ = fs::path(output_folder) / testing::UnitTest::GetInstance()->current_test_info()->name();
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }
@@ -120,8 +121,8 @@ TEST_F(EnvironmentFiles, ResamplingKeepsFluxConstantsAndSuns) {
 }
 
 TEST_F(EnvironmentFiles, OrientationMapsAgree) {
-  const std::string data = shared_data();
-  if (data.empty() || !fs::exists(data + "/env/OrientationCube.exr")) GTEST_SKIP() << "needs shared/data/env";
+  const std::string data = sample_data();
+  if (data.empty() || !fs::exists(data + "/env/OrientationCube.exr")) GTEST_SKIP() << no_sample_data;
   const EnvironmentImage cube_image = load_environment_image(data + "/env/OrientationCube.exr");
   const EnvironmentImage latlong_image = load_environment_image(data + "/env/OrientationLatLong.exr");
   EXPECT_EQ(cube_image.layout, EnvironmentLayout::cube);
@@ -271,8 +272,8 @@ TEST_F(EnvironmentFiles, SumsDoNotDependOnThreads) {
 }
 
 TEST_F(EnvironmentFiles, NaturalMapsAgainstThePapersFigures) {
-  const std::string data = shared_data();
-  if (data.empty()) GTEST_SKIP() << "needs shared/data/env";
+  const std::string data = sample_data();
+  if (data.empty()) GTEST_SKIP() << no_sample_data;
   int seen = 0;
   for (const auto& entry : fs::directory_iterator(data + "/env")) {
     if (entry.path().extension() != ".hdr") continue;

@@ -18,8 +18,8 @@ namespace {
 using nlohmann::json;
 
 TEST(GltfCompression, DracoBoxIsThePlainBox) {
-  const std::string folder = shared_data();
-  if (folder.empty()) GTEST_SKIP() << "shared/data is not here";
+  const std::string folder = sample_data();
+  if (folder.empty()) GTEST_SKIP() << no_sample_data;
   const Scene plain = load_gltf(folder + "/gltf/Box/glTF/Box.gltf").scene;
   const Scene draco = load_gltf(folder + "/gltf/Box/glTF-Draco/Box.gltf").scene;
   EXPECT_EQ(find_fault(draco), "");

@@ -59,8 +59,8 @@ TEST(GltfGeometry, FansFaceOneWayAndShareTheirFirstVertex) {
 }
 
 TEST(GltfGeometry, SampleOfAllPrimitiveModes) {
-  const std::string folder = shared_data();
-  if (folder.empty()) GTEST_SKIP() << "shared/data is not here";
+  const std::string folder = sample_data();
+  if (folder.empty()) GTEST_SKIP() << no_sample_data;
   const LoadedScene loaded = load_gltf(folder + "/gltf/MeshPrimitiveModes/glTF/MeshPrimitiveModes.gltf");
   // Points and three kinds of lines are left out; strip, fan and list remain, each a flat patch.
   EXPECT_EQ(loaded.warnings.size(), 4U);
@@ -101,8 +101,8 @@ TEST(GltfGeometry, SparseAccessorWithoutViewStartsFromZeros) {
 }
 
 TEST(GltfGeometry, SampleOfASparseAccessor) {
-  const std::string folder = shared_data();
-  if (folder.empty()) GTEST_SKIP() << "shared/data is not here";
+  const std::string folder = sample_data();
+  if (folder.empty()) GTEST_SKIP() << no_sample_data;
   // Its note: three vertices of the upper row are moved up by sparse values, to y = 2, 3 and 4.
   const LoadedScene loaded = load_gltf(folder + "/gltf/SimpleSparseAccessor/glTF/SimpleSparseAccessor.gltf");
   const auto& p = loaded.scene.meshes[0].positions;
@@ -143,8 +143,8 @@ TEST(GltfGeometry, IntegersAreNormalisedAsTheSpecificationSays) {
 }
 
 TEST(GltfGeometry, QuantizedSampleMatchesThePlainOne) {
-  const std::string folder = shared_data();
-  if (folder.empty()) GTEST_SKIP() << "shared/data is not here";
+  const std::string folder = sample_data();
+  if (folder.empty()) GTEST_SKIP() << no_sample_data;
   const Box3f plain = bounds(load_gltf(folder + "/gltf/AnimatedMorphCube/glTF/AnimatedMorphCube.gltf").scene);
   const Box3f quantized =
       bounds(load_gltf(folder + "/gltf/AnimatedMorphCube/glTF-Quantized/AnimatedMorphCube.gltf").scene);

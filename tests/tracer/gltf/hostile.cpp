@@ -203,8 +203,8 @@ TEST(GltfHostile, Structure) {
 }
 
 TEST(GltfHostile, DamagedDraco) {
-  const std::string folder = shared_data();
-  if (folder.empty()) GTEST_SKIP() << "shared/data is not here";
+  const std::string folder = sample_data();
+  if (folder.empty()) GTEST_SKIP() << no_sample_data;
   const std::string source = folder + "/gltf/Box/glTF-Draco/";
   const std::string path = GltfBuilder::folder() + "/DracoBox.gltf";
   json root = json::parse(read_file(source + "Box.gltf"));

@@ -112,9 +112,8 @@ const std::map<std::string, std::string> refused_valid_files{
     {"test/base/data/root/unused_objects.gltf", "no data"}};
 
 TEST(GltfInvalid, EveryFileOfTheValidatorEndsInOneLineOrAConsistentScene) {
-  const std::string folder = shared_data();
-  if (folder.empty() || !std::filesystem::exists(folder + "/invalid/EXPECTED.tsv"))
-    GTEST_SKIP() << "shared/data/invalid is not here";
+  const std::string folder = sample_data();
+  if (folder.empty() || !std::filesystem::exists(folder + "/invalid/EXPECTED.tsv")) GTEST_SKIP() << no_sample_data;
   const std::vector<Row> rows = read_rows(folder + "/invalid/EXPECTED.tsv");
   ASSERT_EQ(rows.size(), 372U);
   int thrown = 0;

@@ -52,8 +52,8 @@ GltfBuilder textured(const json& image, const char* slot = "baseColorTexture") {
 // Khronos' sample marks, on quads that show u right and v down, where its arrow must point; the
 // arrow lies on the texture's diagonal and its tip's extension meets (0.778, 0.778).
 TEST(GltfMaterials, TextureTransformsPointTheArrowAtTheSamplesMarks) {
-  const std::string folder = shared_data();
-  if (folder.empty()) GTEST_SKIP() << "shared/data is not here";
+  const std::string folder = sample_data();
+  if (folder.empty()) GTEST_SKIP() << no_sample_data;
   const Scene scene = load(folder + "/gltf/TextureTransformTest/glTF/TextureTransformTest.gltf").scene;
   const auto transformed = [&](const char* material, float x, float y) {
     const auto& m = material_named(scene, material).base_color_texture.uv_transform;
@@ -178,8 +178,8 @@ TEST(GltfMaterials, SpecularGlossiness) {
 }
 
 TEST(GltfMaterials, SampleScenes) {
-  const std::string folder = shared_data();
-  if (folder.empty()) GTEST_SKIP() << "shared/data is not here";
+  const std::string folder = sample_data();
+  if (folder.empty()) GTEST_SKIP() << no_sample_data;
   const Scene garden = load(folder + "/gltf/japanese_bridge_garden.glb").scene;
   EXPECT_EQ(garden.materials.size(), 14U);
   EXPECT_EQ(std::count_if(garden.materials.begin(), garden.materials.end(),

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "grid/base/error.h"
+#include "tests/support/paths.h"
 #include "tracer/core/camera.h"
 #include "tracer/env/latlong_map.h"
 #include "tracer/image/compare.h"
@@ -23,7 +24,7 @@ namespace fs = std::filesystem;
 class Images : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = fs::path(IVORY_TEST_DATA_DIR) / testing::UnitTest::GetInstance()->current_test_info()->name();
+    folder_ = fs::path(output_folder) / testing::UnitTest::GetInstance()->current_test_info()->name();
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
-#include "tools/cli/common.h"
+#include "tools/cli/numbers.h"
 
 namespace ivory {
 

@@ -1,0 +1,128 @@
+// ivory bake grid, merge and info: the same bytes from the same command, grids placed by hand.
+
+#include "tests/tools/script.h"
+
+namespace ivory::script {
+
+namespace {
+
+// One box each time: what follows is not swallowed.
+TEST(BakeGrid, DynamicTakesOneBox) {
+  const auto folder = scratch_folder("dynamic");
+  const std::string tail = " " + scene + " -q -f --json --resolution 8 --photons 20k -o x.vdb";
+  const auto stored = [&](const std::string& options) {
+    const Outcome outcome = ivory(folder, "bake grid " + options + tail);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return outcome.exit_code == 0 ? Json::parse(outcome.out)["parameters"]["dynamic_regions"] : Json();
+  };
+  EXPECT_EQ(stored("--dynamic none"), "none");
+  EXPECT_EQ(stored("--dynamic 0,0,0:0.5,1,1"), "0,0,0:0.5,1,1");
+  EXPECT_EQ(stored("--dynamic 0,0,0:0.5,1,1 --dynamic -1,0,0:0,2,2"), "0,0,0:0.5,1,1 -1,0,0:0,2,2");
+  EXPECT_EQ(stored(""), "everywhere");
+}
+
+TEST(BakeGrid, GridsArePlacedByHand) {
+  const auto folder = scratch_folder("bounds");
+  const Outcome outcome = ivory(
+      folder, "bake grid " + scene +
+                  " --bounds 0.2,0.1,0:-0.6,0.9,0.4 --rotate-y 90 --resolution 4 --photons 20k -o x.vdb -q --json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json result = Json::parse(outcome.out);
+  // Turned by a quarter about (-0.2, 0.5, 0.2): local x is world -z, local z is world x.
+  const double origin[3] = {-0.2 - 0.15, 0.5 - 0.3, 0.2 + 0.3};
+  const double spacing[3] = {0.2, 0.2, 0.1};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(result["origin_m"][i].get<double>(), origin[i], 1e-6);
+    EXPECT_NEAR(result["spacing_m"][i].get<double>(), spacing[i], 1e-6);
+  }
+  EXPECT_EQ(result["parameters"]["bounds"], "-0.6,0.1,0:0.2,0.9,0.4");
+  EXPECT_EQ(result["parameters"]["rotate_y_deg"], 90);
+  // Inside; half a voxel beyond the box's turned side; far away.
+  write_file(folder / "p.csv",
+             "x,y,z,nx,ny,nz\n-0.2,0.5,0.2,0,1,0\n-0.2,0.5,0.55,0,1,0\n0.1,0.5,0.2,0,1,0\n900,0,0,0,1,0\n");
+  const Outcome probe = ivory(folder, "probe x.vdb --points p.csv -o e.csv --json");
+  ASSERT_EQ(probe.exit_code, 0) << probe.err;
+  EXPECT_EQ(Json::parse(probe.out)["outside"], 2);
+  EXPECT_NE(probe.err.find("nearest vertices"), std::string::npos) << probe.err;
+}
+
+class BakeBytes : public testing::TestWithParam<std::string> {};
+
+TEST_P(BakeBytes, SameAtAnyThreadCountAndFromParts) {
+  const auto folder = scratch_folder("bytes_" + std::to_string(std::hash<std::string>()(GetParam())));
+  const std::string bake = "bake grid " + scene + " --resolution 9,7,6 --photons 100k -q " + GetParam();
+  ASSERT_EQ(ivory(folder, bake + " -o one.vdb --threads 1").exit_code, 0);
+  ASSERT_EQ(ivory(folder, bake + " -o two.vdb --threads 2").exit_code, 0);
+  const std::string whole = read_file(folder / "one.vdb");
+  EXPECT_EQ(whole, read_file(folder / "two.vdb"));
+
+  ASSERT_EQ(ivory(folder, bake + " -o a.vdb --photon-range 0:33333").exit_code, 0);
+  ASSERT_EQ(ivory(folder, bake + " -o b.vdb --photon-range 33333:34001 --threads 1").exit_code, 0);
+  ASSERT_EQ(ivory(folder, bake + " -o c.vdb --photon-range 34001:100k --threads 2").exit_code, 0);
+  ASSERT_EQ(ivory(folder, "merge c.vdb a.vdb b.vdb -o merged.vdb -q").exit_code, 0);
+  EXPECT_EQ(whole, read_file(folder / "merged.vdb"));
+
+  // In two steps, the first of which is not complete and says so.
+  const Outcome half = ivory(folder, "merge b.vdb a.vdb -o ab.vdb --json");
+  ASSERT_EQ(half.exit_code, 0);
+  EXPECT_EQ(Json::parse(half.out)["complete"], false);
+  const Outcome rest = ivory(folder, "merge ab.vdb c.vdb -o abc.vdb --json");
+  ASSERT_EQ(rest.exit_code, 0);
+  EXPECT_EQ(Json::parse(rest.out)["complete"], true);
+  EXPECT_EQ(whole, read_file(folder / "abc.vdb"));
+
+  ASSERT_EQ(ivory(folder, bake + " -o other.vdb --seed 2").exit_code, 0);
+  EXPECT_NE(whole, read_file(folder / "other.vdb"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Options, BakeBytes,
+                         testing::Values("", "--basis sh9", "--basis vectors9 --direct", "--basis ambient_cube",
+                                         "--basis sh4 --guard off", "--estimator face", "--estimator face_paper"));
+
+TEST(BakeGrid, MergeRefusesPartsThatDoNotFit) {
+  const auto folder = scratch_folder("merge");
+  const auto part = [&](const std::string& file, const std::string& options) {
+    ASSERT_EQ(ivory(folder, small_bake + "-o " + file + " " + options).exit_code, 0);
+  };
+  part("a.vdb", "--photon-range 0:5000");
+  part("overlap.vdb", "--photon-range 4999:20000");
+  part("gap.vdb", "--photon-range 5001:20000");
+  part("seed.vdb", "--photon-range 5000:20000 --seed 2");
+  part("whole.vdb", "");
+  // Both guards are baked alike.
+  part("rays.vdb", "--photon-range 5000:20000 --guard rays");
+  part("planes.vdb", "--photon-range 0:5000 --guard planes");
+  EXPECT_EQ(ivory(folder, "merge rays.vdb planes.vdb -o guards.vdb -q").exit_code, 0);
+  EXPECT_EQ(read_file(folder / "guards.vdb"), read_file(folder / "whole.vdb"));
+  expect_refused(folder, "merge a.vdb overlap.vdb -o x.vdb", 1, "overlap");
+  expect_refused(folder, "merge a.vdb a.vdb -o x.vdb", 1, "overlap");
+  expect_refused(folder, "merge a.vdb gap.vdb -o x.vdb", 1, "missing");
+  expect_refused(folder, "merge a.vdb seed.vdb -o x.vdb", 1, "seed");
+  expect_refused(folder, "merge whole.vdb -o x.vdb", 1, "finished grid");
+  expect_refused(folder, "probe a.vdb --points x -o x.csv", 1, "x");
+  EXPECT_FALSE(fs::exists(folder / "x.vdb"));
+}
+
+TEST(BakeGrid, InfoTellsHowAGridWasBaked) {
+  const auto folder = scratch_folder("info");
+  ASSERT_EQ(ivory(folder, small_bake + "-o x.vdb --seed 7 --bounces 5").exit_code, 0);
+  const Json grid = Json::parse(ivory(folder, "info x.vdb --json").out);
+  EXPECT_EQ(grid["kind"], "irradiance grid");
+  EXPECT_EQ(grid["size"], Json::array({8, 8, 8}));
+  EXPECT_EQ(grid["seed"], 7);
+  EXPECT_EQ(grid["max_bounces"], 5);
+  EXPECT_EQ(grid["photons"], 20000);
+  EXPECT_EQ(grid["photon_begin"], 0);
+  EXPECT_EQ(grid["photon_end"], 20000);
+  EXPECT_EQ(grid["scene"], "leak_axis.gltf");
+  EXPECT_TRUE(grid["version"].is_string());  // compared by merge
+  const Json loaded = Json::parse(ivory(folder, "info " + scene + " --json").out);
+  EXPECT_EQ(grid["scene_hash"], loaded["content_hash"]);
+  EXPECT_EQ(loaded["kind"], "scene");
+  EXPECT_GT(loaded["triangles"], 0);
+  EXPECT_GT(loaded["power_lm"][0], 0);
+}
+
+}  // namespace
+
+}  // namespace ivory::script
