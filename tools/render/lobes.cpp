@@ -19,7 +19,6 @@ struct LobeOptions {
   std::vector<std::string> sphere_sets;
   std::string shadows = "lobes";
   std::string mask = "center";
-  std::uint64_t shadow_rays = 64;
   LobeParams params;
 };
 
@@ -36,7 +35,6 @@ std::vector<Sphere> load_placed(const std::string& text) {
 
 LobeParams params_of(const LobeOptions& options) {
   LobeParams params = options.params;
-  params.shadow_rays = int_count("--shadow-rays", options.shadow_rays, 1);
   if (options.shadows == "none") params.shadows = LobeShadows::none;
   if (options.shadows == "spheres") params.shadows = LobeShadows::spheres;
   if (options.shadows == "mesh") params.shadows = LobeShadows::mesh;
@@ -80,7 +78,7 @@ RenderMethod make_lobes_method(Command command) {
       .add_option("--shadows", options->shadows,
                   "lobes: masks of sphere sets; spheres, mesh: Monte Carlo on the sets or on the triangles; none")
       .one_of({"lobes", "spheres", "mesh", "none"});
-  command.add_count("--shadow-rays", options->shadow_rays,
+  command.add_count("--shadow-rays", options->params.shadow_rays, 1,
                     "Rays a light and sample, stratified (with --shadows spheres or mesh)");
   command.add_option("--mask-depth", options->params.mask_depth, "Depth of the visibility mask's quad-tree")
       .within(0, max_mask_depth);
@@ -103,7 +101,6 @@ RenderMethod make_lobes_method(Command command) {
                     "--mask-depth", "--mask",    "--threshold", "--split"};
   method.direct_only = true;
   method.check = [options] {
-    params_of(*options);
     if (options->shadows != "mesh" && options->shadows != "none") {
       for (const std::string& text : options->sphere_sets) load_placed(text);
     }
@@ -116,7 +113,7 @@ RenderMethod make_lobes_method(Command command) {
     m["threshold"] = double(options->params.threshold);
     m["split"] = std::int64_t(options->params.max_split_level);
     if (options->shadows == "spheres" || options->shadows == "mesh")
-      m["shadow_rays"] = std::int64_t(options->shadow_rays);
+      m["shadow_rays"] = std::int64_t(options->params.shadow_rays);
   };
   return method;
 }

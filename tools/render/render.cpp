@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -35,7 +34,7 @@ struct RenderOptions {
   std::string camera;
   std::vector<SphereLight> sphere_lights;
   std::vector<std::string> sphere_light_texts;
-  std::uint64_t samples = 64;
+  int samples = 64;
   std::uint64_t seed = 1;
   Imath::V2i size{640, 480};
   std::vector<std::string> objects;
@@ -57,11 +56,11 @@ Film render(const RenderOptions& options, const RenderMethod& method, const Scen
   const View view = choose_view(options, input.scene, *input.intersector);
   if (input.lights->empty()) print_note(common, fmt::format("warning: nothing in {} emits light", options.scene));
   RenderParams params;
-  params.samples = int_count("--samples", options.samples, 1);
+  params.samples = options.samples;
   params.seed = options.seed;
   params.threads = thread_count(common);
   Progress progress(common, "rendering", "samples");
-  const std::uint64_t total = options.samples * std::uint64_t(view.width) * std::uint64_t(view.height);
+  const std::uint64_t total = std::uint64_t(options.samples) * std::uint64_t(view.width) * std::uint64_t(view.height);
   params.progress = [&](double fraction) { progress.update(std::uint64_t(fraction * double(total)), total); };
   return method.render({input, view, params, is_object, options.indirect_only, common});
 }
@@ -115,7 +114,6 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
     throw UsageError("--method " + options.method + " lights by an environment: give --env");
   if (method.direct_only && options.indirect_only)
     throw UsageError("--method " + options.method + " renders direct light: --indirect-only leaves nothing");
-  int_count("--samples", options.samples, 1);
   if (method.check) method.check();
   std::set<std::filesystem::path> files;
   for (const std::string& output : options.outputs) {
@@ -169,12 +167,6 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
 
 }  // namespace
 
-int int_count(const char* option, std::uint64_t count, std::uint64_t least) {
-  if (count < least || count > std::uint64_t(std::numeric_limits<int>::max()))
-    throw UsageError(fmt::format("{}: {} is not from {} to {}", option, count, least, std::numeric_limits<int>::max()));
-  return int(count);
-}
-
 void add_render_command(Command app, CommonOptions& common) {
   Command command = app.add_subcommand("render", "Render a picture by path tracing or from baked assets");
   auto options = std::make_shared<RenderOptions>();
@@ -186,7 +178,7 @@ void add_render_command(Command app, CommonOptions& common) {
       .required()
       .type_name("IMAGE");
   Option method_option = command.add_option("--method", options->method);
-  command.add_count("--samples", options->samples, "Samples a pixel");
+  command.add_count("--samples", options->samples, 1, "Samples a pixel");
   command.add_count("--seed", options->seed, "Seed of the random numbers");
   command.add_image_size("--size", options->size, "Size of the picture in pixels");
   command
