@@ -30,7 +30,7 @@ struct RuntimeCamera {
 RuntimeCamera make_perspective(const M44f& to_world, float yfov_rad, float aspect, float near_m, float far_m);
 RuntimeCamera make_orthographic(const M44f& to_world, float half_height_m, float aspect, float near_m, float far_m);
 
-struct Frame {
+struct FrameParams {
   RuntimeCamera camera;
   std::span<const DrawItem> items;
   LightSet* lights = nullptr;  // null: none
@@ -52,15 +52,15 @@ class Renderer {
   // in nits times the exposure, alpha 1 where anything is. Opaque surfaces are shaded once a pixel (depth first),
   // blended ones from back to front. Leaves depth and scissor test, culling and blending off; takes stencil test,
   // polygon mode, depth range and clip distances to be as OpenGL begins with. Throws Error as IVORY_GL does.
-  void draw(const Frame& frame);
+  void draw(const FrameParams& frame);
 
   // Compiles what the frame needs, which draw() would do the first time.
-  void prepare(const Frame& frame);
+  void prepare(const FrameParams& frame);
 
  private:
-  gl::Program& program(const Frame& frame, const AmbientSource& ambient);
+  gl::Program& program(const FrameParams& frame, const AmbientSource& ambient);
   gl::Program& depth_program();
-  void draw_sky(const Frame& frame);
+  void draw_sky(const FrameParams& frame);
 
   std::map<std::string, gl::Program> programs_;
   gl::VertexArray empty_;

@@ -90,7 +90,7 @@ TEST_F(RuntimeRenderer, ConstantAmbientIsAlbedoOverPiTimesE) {
   const AmbientSource ambient = constant_ambient(Rgb(pi, 2 * pi, 4 * pi));
   const DrawItem item{&mesh, &material, M44f(), &ambient};
   Renderer renderer;
-  Frame frame;
+  FrameParams frame;
   frame.camera = from_above();
   frame.items = {&item, 1};
   frame.exposure = 2;
@@ -111,7 +111,7 @@ TEST_F(RuntimeRenderer, PunctualLightsFollowTheirFormulas) {
   const std::vector<ShadowCaster> casters{{&mesh, M44f()}};
   Renderer renderer;
   LightSet set;
-  Frame frame;
+  FrameParams frame;
   frame.camera = from_above();
   frame.items = {&item, 1};
   frame.lights = &set;
@@ -161,7 +161,7 @@ TEST_F(RuntimeRenderer, ShadowsFallWhereTheyShould) {
   const std::vector<ShadowCaster> casters{{&floor, M44f()}, {&blocker, translation(blocker_at)}};
   Renderer renderer;
   LightSet set;
-  Frame frame;
+  FrameParams frame;
   frame.camera = from_above();
   frame.items = {&item, 1};
   frame.lights = &set;
@@ -213,7 +213,7 @@ TEST_F(RuntimeRenderer, MasksCastTheShadowOfWhatTheyCover) {
   light.direction = V3f(0, -1, 0);
   LightSet set;
   Renderer renderer;
-  Frame frame;
+  FrameParams frame;
   frame.camera = from_above();
   frame.items = {&item, 1};
   frame.lights = &set;
@@ -248,7 +248,7 @@ TEST_F(RuntimeRenderer, BlendsMasksAndCulls) {
                               {&mesh, &cut, translation({0, 1, 0}), &ambient},
                               {&mesh, &cut, turned * translation({0, 1.5F, 0}), &ambient}};
   Renderer renderer;
-  Frame frame;
+  FrameParams frame;
   frame.camera = from_above();
   frame.items = items;
   renderer.draw(frame);
@@ -279,7 +279,7 @@ TEST_F(RuntimeRenderer, TexturesAreLinearisedAndPlaced) {
   const AmbientSource ambient = constant_ambient(Rgb(pi, pi, pi));
   const DrawItem item{&mesh, &material, M44f(), &ambient};
   Renderer renderer;
-  Frame frame;
+  FrameParams frame;
   frame.camera = from_above();
   frame.items = {&item, 1};
   renderer.draw(frame);
@@ -302,7 +302,7 @@ TEST_F(RuntimeRenderer, SkyIsTheEnvironmentsWayRound) {
   for (int i = 0; i < 8; ++i) texels.emplace_back(float(i), 0.0F, 0.0F, 1.0F);
   const gl::Texture sky = gl::make_texture_2d("sky", gl::Format::rgba32f, 4, 2, texels.data(), gl::Filter::nearest);
   Renderer renderer;
-  Frame frame;
+  FrameParams frame;
   frame.sky = &sky;
   const auto looks_along = [&](const V3f& z_axis, const V3f& x_axis) {
     const V3f y = z_axis.cross(x_axis);
@@ -334,7 +334,7 @@ TEST_F(RuntimeRenderer, NothingIsLeftBehind) {
     LightSet set;
     set.update({&light, 1}, {&caster, 1});
     Renderer renderer;
-    Frame frame;
+    FrameParams frame;
     frame.camera = from_above();
     frame.items = {&item, 1};
     frame.lights = &set;

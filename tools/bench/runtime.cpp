@@ -104,7 +104,7 @@ class Stage {
   GpuMesh floor_;
   SurfaceMaterial material_;
   DrawItem item_;
-  Frame frame_;
+  FrameParams frame_;
   Renderer renderer_;
 };
 

@@ -125,7 +125,7 @@ void ViewFrame::draw_point(ViewSession& session, ViewTarget& target, const V2f& 
       items.push_back(
           {&model.meshes[part.mesh], &model.materials[part.material], moved(part.to_world, at), &sources[i]});
   }
-  Frame frame;
+  FrameParams frame;
   frame.camera = runtime_camera(session, target, shift);
   frame.items = items;
   frame.lights = &shadows_;
