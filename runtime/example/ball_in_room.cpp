@@ -39,7 +39,7 @@ ivory::GpuMesh make_ball(float radius_m) {
   data.positions = positions;
   data.normals = normals;
   data.triangles = triangles;
-  return ivory::upload("ball", data);
+  return ivory::upload(data);
 }
 
 void run(GLFWwindow* window, const char* path, long frames) {

@@ -58,7 +58,7 @@ GpuMesh square(float half) {
   data.normals = normals;
   data.uv0 = uvs;
   data.triangles = triangles;
-  return upload("square", data);
+  return upload(data);
 }
 
 SurfaceMaterial lambert(const Rgb& albedo) {
@@ -351,9 +351,9 @@ TEST_F(RuntimeRenderer, BadMeshesAndTooManyLightsAreRefused) {
   const std::vector<Imath::Vec3<std::uint32_t>> wrong{{0, 1, 3}};
   MeshData data;
   data.positions = positions;
-  EXPECT_THROW(upload("m", data), Error);
+  EXPECT_THROW(upload(data), Error);
   data.triangles = wrong;
-  EXPECT_THROW(upload("m", data), Error);
+  EXPECT_THROW(upload(data), Error);
   EXPECT_EQ(live_gl_objects(), before);
   LightSet set;
   const std::vector<RuntimeLight> lights(max_lights + 1);

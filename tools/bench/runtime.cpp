@@ -72,7 +72,7 @@ class Stage {
     data.positions = floor.positions;
     data.normals = floor.normals;
     data.triangles = floor.triangles;
-    floor_ = upload("floor", data);
+    floor_ = upload(data, "floor");
     material_.dielectric_f0 = Rgb(0, 0, 0);
     material_.dielectric_f90 = 0;
     M44f camera;
@@ -248,7 +248,7 @@ void run(const BenchRuntimeOptions& options, const CommonOptions& common) {
   const GpuGrid grid = upload(assets.grid);
   const GpuLocalizedCube cube = upload(assets.cube);
   GpuLobes lobes = upload(assets.lobes);
-  place(lobes, std::vector<BallLight>{{{V3f(3, 5, 2), 0.5F}, Rgb(20, 20, 20)}}, assets.spheres.spheres);
+  place(lobes, std::vector<RuntimeSphereLight>{{{V3f(3, 5, 2), 0.5F}, Rgb(20, 20, 20)}}, assets.spheres.spheres);
   const auto grid_read = [&](Interpolation interpolation, Guard guard) {
     GridReadParams params;
     params.lookup.interpolation = interpolation;

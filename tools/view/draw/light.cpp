@@ -88,7 +88,7 @@ void place_lobes(ViewSession& session) {
       places.emplace_back(asset.get(), asset->spheres ? place_of_spheres(session, *asset) : V3f(0, 0, 0));
   }
   if (places == session.lobes_placed) return;
-  std::vector<BallLight> lights;
+  std::vector<RuntimeSphereLight> lights;
   for (const SphereLight& light : session.world.scene().sphere_lights)
     lights.push_back({{light.center, light.radius_m}, light.radiance_nits});
   std::vector<Sphere> occluders;
