@@ -9,7 +9,7 @@
 
 #include "tools/view/draw/gl_context.h"
 #include "tools/view/draw/legend.h"
-#include "tools/view/view.h"
+#include "tools/view/run.h"
 #include "tracer/image/compare.h"
 #include "tracer/image/file.h"
 

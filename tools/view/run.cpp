@@ -1,3 +1,5 @@
+#include "tools/view/run.h"
+
 #include <cmath>
 #include <filesystem>
 #include <regex>
@@ -7,7 +9,6 @@
 
 #include "grid/base/error.h"
 #include "tools/view/draw/debug.h"
-#include "tools/view/view.h"
 #include "tracer/image/file.h"
 
 namespace ivory {

@@ -1,6 +1,4 @@
 // ivory view: the window on the runtime, and the same pictures without a window.
-#include "tools/view/view.h"
-
 #include <map>
 #include <memory>
 
@@ -9,6 +7,7 @@
 
 #include "grid/base/error.h"
 #include "tools/cli/commands.h"
+#include "tools/view/run.h"
 #include "tracer/image/file.h"
 
 namespace ivory {

@@ -5,7 +5,7 @@
 
 #include "grid/base/error.h"
 #include "tools/view/draw/debug.h"
-#include "tools/view/session.h"
+#include "tools/view/session/session.h"
 
 namespace ivory {
 

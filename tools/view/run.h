@@ -8,7 +8,7 @@
 
 #include "tools/cli/common.h"
 #include "tools/view/draw/frame.h"
-#include "tools/view/session.h"
+#include "tools/view/session/session.h"
 
 namespace ivory {
 

@@ -1,4 +1,4 @@
-#include "tools/view/draw/assets.h"
+#include "tools/view/session/assets.h"
 
 #include <algorithm>
 #include <array>

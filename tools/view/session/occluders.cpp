@@ -1,4 +1,4 @@
-#include "tools/view/world/occluders.h"
+#include "tools/view/session/occluders.h"
 
 #include "grid/base/error.h"
 #include "tracer/bake/fiv/occluder.h"

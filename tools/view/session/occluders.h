@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "runtime/assets/fiv.h"
-#include "tools/view/draw/assets.h"
+#include "tools/view/session/assets.h"
 #include "tools/view/world/world.h"
 
 namespace ivory {

@@ -10,10 +10,10 @@
 #include "runtime/assets/ambient.h"
 #include "tools/cli/common.h"
 #include "tools/cli/environment_input.h"
-#include "tools/view/draw/assets.h"
-#include "tools/view/settings.h"
+#include "tools/view/session/assets.h"
+#include "tools/view/session/occluders.h"
+#include "tools/view/session/settings.h"
 #include "tools/view/world/model.h"
-#include "tools/view/world/occluders.h"
 #include "tools/view/world/world.h"
 #include "tracer/core/film.h"
 

@@ -1,4 +1,4 @@
-#include "tools/view/gui.h"
+#include "tools/view/window/gui.h"
 
 #include <algorithm>
 #include <cmath>
