@@ -1,4 +1,5 @@
-// ivory view --headless: frames without a window or a display.
+#include "tools/view/headless.h"
+
 #include <chrono>
 #include <cstdlib>
 #include <optional>
@@ -9,7 +10,6 @@
 
 #include "tools/view/draw/gl_context.h"
 #include "tools/view/draw/legend.h"
-#include "tools/view/run.h"
 #include "tracer/image/compare.h"
 #include "tracer/image/file.h"
 

@@ -7,7 +7,8 @@
 
 #include "grid/base/error.h"
 #include "tools/cli/commands.h"
-#include "tools/view/run.h"
+#include "tools/view/headless.h"
+#include "tools/view/window/viewer.h"
 #include "tracer/image/file.h"
 
 namespace ivory {

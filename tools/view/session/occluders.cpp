@@ -1,52 +1,72 @@
 #include "tools/view/session/occluders.h"
 
-#include "grid/base/error.h"
+#include <algorithm>
+#include <utility>
+#include <vector>
+
 #include "tracer/bake/fiv/occluder.h"
 
 namespace ivory {
 
-ViewOccluders find_occluders(const ViewAssets& assets, const ViewWorld& world) {
-  ViewOccluders found;
-  found.of_object.assign(world.objects.size(), -1);
+namespace {
+
+// Objects that are occluders, in the order that the GPU has them: by table, then as they come.
+std::vector<std::size_t> occluding_objects(const ViewWorld& world) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < world.objects.size(); ++i) {
+    if (world.objects[i].occluder) order.push_back(i);
+  }
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return world.objects[a].occluder->table < world.objects[b].occluder->table;
+  });
+  return order;
+}
+
+}  // namespace
+
+std::optional<GpuFivTables> find_occluders(const ViewAssets& assets, ViewWorld& world) {
+  std::vector<std::optional<GpuFivOccluder>> found(world.objects.size());
   std::vector<FivTable> tables;
   for (const auto& asset : assets) {
-    if (!asset->fiv) continue;
-    for (std::size_t i = 0; i < world.objects.size(); ++i) {
+    const auto* table = std::get_if<FivTable>(&asset->data);
+    if (table == nullptr) continue;
+    for (std::size_t i = 0; i < found.size(); ++i) {
       const ViewObject& object = world.objects[i];
-      if (!object.moves || found.of_object[i] >= 0) continue;
+      if (!object.moves || found[i]) continue;
       const std::vector<bool> all(object.scene->instances.size(), true);
-      const std::optional<FivPlacement> placement = find_placement(*asset->fiv, *object.scene, all);
-      if (!placement) continue;
-      found.of_object[i] = int(found.own.size());
-      found.own.push_back({int(tables.size()), placement->center_m, placement->radius_m});
-      found.object_of.push_back(i);
+      if (const std::optional<FivPlacement> placement = find_placement(*table, *object.scene, all))
+        found[i] = GpuFivOccluder{int(tables.size()), placement->center_m, placement->radius_m};
     }
-    tables.push_back(*asset->fiv);
+    tables.push_back(*table);
   }
-  if (tables.empty()) return found;
-  found.gpu = upload(tables);
-  place_occluders(found, world);
-  return found;
+  if (tables.empty()) return std::nullopt;
+  std::optional<GpuFivTables> gpu = upload(tables);
+  const auto exchange = [&] {
+    for (std::size_t i = 0; i < found.size(); ++i) std::swap(world.objects[i].occluder, found[i]);
+  };
+  exchange();
+  try {
+    place_occluders(*gpu, world);
+  } catch (...) {
+    exchange();
+    throw;
+  }
+  return gpu;
 }
 
-void remove_occluder(ViewOccluders& occluders, std::size_t object) {
-  if (object >= occluders.of_object.size()) return;
-  const int removed = occluders.of_object[object];
-  occluders.of_object.erase(occluders.of_object.begin() + std::ptrdiff_t(object));
-  if (removed >= 0) {
-    occluders.own.erase(occluders.own.begin() + removed);
-    occluders.object_of.erase(occluders.object_of.begin() + removed);
-    for (int& index : occluders.of_object) index -= index > removed ? 1 : 0;
+void place_occluders(GpuFivTables& tables, const ViewWorld& world) {
+  std::vector<GpuFivOccluder> now;
+  for (const std::size_t i : occluding_objects(world)) {
+    now.push_back(*world.objects[i].occluder);
+    now.back().center_m += place(world.objects[i], world.time_s);
   }
-  for (std::size_t& index : occluders.object_of) index -= index > object ? 1 : 0;
+  set_occluders(tables, now);
 }
 
-void place_occluders(ViewOccluders& occluders, const ViewWorld& world) {
-  if (!occluders.gpu) return;
-  std::vector<GpuFivOccluder> now = occluders.own;
-  for (std::size_t i = 0; i < now.size(); ++i)
-    now[i].center_m += place(world.objects[occluders.object_of[i]], world.time_s);
-  set_occluders(*occluders.gpu, now);
+int occluder_index(const ViewWorld& world, std::size_t object) {
+  const std::vector<std::size_t> order = occluding_objects(world);
+  const auto at = std::find(order.begin(), order.end(), object);
+  return at == order.end() ? -1 : int(at - order.begin());
 }
 
 }  // namespace ivory
