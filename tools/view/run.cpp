@@ -9,6 +9,7 @@
 
 #include "grid/base/error.h"
 #include "tools/view/draw/debug.h"
+#include "tools/view/session/light.h"
 #include "tracer/image/file.h"
 
 namespace ivory {
