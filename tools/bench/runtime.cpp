@@ -18,12 +18,12 @@
 #include "runtime/assets/irradiance_grid.h"
 #include "runtime/assets/lobes.h"
 #include "runtime/gl/check.h"
+#include "runtime/gl/headless_context.h"
 #include "runtime/renderer/renderer.h"
 #include "tools/bench/runtime_assets.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/cli/environment_input.h"
-#include "tools/view/draw/gl_context.h"
 #include "tracer/bake/fiv/baker.h"
 #include "tracer/gltf/loader.h"
 

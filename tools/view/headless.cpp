@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "tools/view/draw/gl_context.h"
+#include "runtime/gl/headless_context.h"
 #include "tools/view/draw/legend.h"
 #include "tracer/image/compare.h"
 #include "tracer/image/file.h"

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "grid/base/error.h"
-#include "tools/view/draw/gl_context.h"
+#include "runtime/gl/headless_context.h"
 #include "tools/view/draw/legend.h"
 #include "tracer/image/file.h"
 
