@@ -1,4 +1,4 @@
-#include "tools/view/settings.h"
+#include "tools/view/session/settings.h"
 
 #include <string>
 

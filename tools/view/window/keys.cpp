@@ -1,4 +1,4 @@
-#include "tools/view/keys.h"
+#include "tools/view/window/keys.h"
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>

@@ -1,8 +1,9 @@
-#include "tools/view/draw/assets.h"
+#include "tools/view/session/assets.h"
 
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <utility>
 
 #include "grid/base/error.h"
 #include "grid/io/difmap.h"
@@ -66,97 +67,86 @@ Rgb mean_irradiance(const DifMap& map) {
   return {float(sum.x), float(sum.y), float(sum.z)};
 }
 
-std::unique_ptr<GridAsset> upload_grid_asset(const std::string& path, const IrradianceGrid& grid) {
-  auto asset = std::make_unique<GridAsset>();
-  // First, as it says which file is too large.
-  asset->visible_fraction =
+GridAsset make_grid_asset(const std::string& path, const IrradianceGrid& grid) {
+  GridAsset asset;
+  asset.gpu = upload(grid, {}, path);
+  asset.visible_fraction =
       gl::make_texture_3d(path, gl::Format::r16f, grid.frame.size, grid.visible_fraction.data(), gl::Filter::nearest);
-  asset->gpu = upload(grid);
-  asset->typical_vector_lux = typical_vector(grid);
-  asset->holds_direct = text_of(grid.metadata, "light") == "direct and indirect";
-  asset->scene_hash = text_of(grid.metadata, "scene_hash");
+  asset.typical_vector_lux = typical_vector(grid);
+  asset.mean_e_lux = mean_irradiance(grid);
+  asset.holds_direct = text_of(grid.metadata, "light") == "direct and indirect";
+  asset.scene_hash = text_of(grid.metadata, "scene_hash");
   return asset;
+}
+
+std::unique_ptr<ViewAsset> make_asset(const std::string& path, AssetData data, std::string environment_hash = {}) {
+  return std::make_unique<ViewAsset>(ViewAsset{path, std::move(data), std::move(environment_hash)});
 }
 
 }  // namespace
 
+FileKind ViewAsset::kind() const {
+  constexpr std::array<FileKind, std::variant_size_v<AssetData>> kinds{
+      FileKind::grid,    FileKind::sh9,   FileKind::difmap, FileKind::fiv,
+      FileKind::cubemap, FileKind::lobes, FileKind::spheres};
+  return kinds[data.index()];
+}
+
 std::string ViewAsset::label() const { return std::filesystem::path(path).filename().string(); }
 
 std::size_t ViewAsset::bytes() const {
-  std::size_t sum = 0;
-  if (grid) sum += grid->gpu.bytes() + grid->visible_fraction.bytes();
-  if (cubemap) sum += cubemap->bytes();
-  if (lobes) sum += lobes->bytes();
-  if (sh9) sum += sh9->bytes();
-  if (difmap) sum += difmap->bytes();
-  return sum;
+  struct Bytes {
+    std::size_t operator()(const GridAsset& grid) const { return grid.gpu.bytes() + grid.visible_fraction.bytes(); }
+    std::size_t operator()(const DifMapAsset& map) const { return map.gpu.bytes(); }
+    std::size_t operator()(const GpuSh9& sh) const { return sh.bytes(); }
+    std::size_t operator()(const GpuLocalizedCube& cube) const { return cube.bytes(); }
+    std::size_t operator()(const GpuLobes& lobes) const { return lobes.bytes(); }
+    std::size_t operator()(const FivTable&) const { return 0; }
+    std::size_t operator()(const SphereSetAsset&) const { return 0; }
+  };
+  return std::visit(Bytes{}, data);
 }
 
 std::unique_ptr<ViewAsset> load_view_asset(const std::string& path, FileKind kind) {
-  auto asset = std::make_unique<ViewAsset>();
-  asset->path = path;
-  asset->kind = kind;
   switch (kind) {
-    case FileKind::grid: {
-      const IrradianceGrid grid = read_grid_vdb(path);
-      asset->grid = upload_grid_asset(path, grid);
-      asset->mean_e_lux = mean_irradiance(grid);
-      break;
-    }
+    case FileKind::grid:
+      return make_asset(path, make_grid_asset(path, read_grid_vdb(path)));
     case FileKind::sh9: {
       const Sh9Asset sh9 = read_sh9(path);
-      asset->sh9 = upload(sh9.sh);
-      asset->environment_hash = text_of(sh9.metadata, "environment_hash");
-      break;
+      return make_asset(path, upload(sh9.sh), text_of(sh9.metadata, "environment_hash"));
     }
-    case FileKind::difmap: {
-      const DifMap map = read_difmap(path);
-      asset->difmap = upload(map);
-      asset->mean_e_lux = mean_irradiance(map);
-      asset->environment_hash = text_of(map.metadata, "environment_hash");
-      break;
-    }
+    case FileKind::difmap:
+      return make_view_difmap(path, read_difmap(path));
     case FileKind::cubemap:
-      asset->cubemap = load_localized_cube(path);
-      break;
-    case FileKind::fiv:
-      asset->fiv = read_fiv(path);
-      asset->environment_hash = text_of(asset->fiv->metadata, "environment_hash");
-      break;
+      return make_asset(path, load_localized_cube(path));
+    case FileKind::fiv: {
+      FivTable table = read_fiv(path);
+      std::string hash = text_of(table.metadata, "environment_hash");
+      return make_asset(path, std::move(table), std::move(hash));
+    }
     case FileKind::lobes:
-      asset->lobes = std::make_unique<GpuLobes>(load_lobes(path));
-      break;
+      return make_asset(path, load_lobes(path));
     case FileKind::spheres:
-      asset->spheres = read_spheres(path);
-      break;
+      return make_asset(path, SphereSetAsset{read_spheres(path)});
     case FileKind::scene:
     case FileKind::image:
-      throw Error(path, "is no asset that lights a scene", "give a grid, SH9, DifMap, FIV table, cube map or lobes");
+      break;
   }
-  return asset;
+  throw Error(path, "is no asset that lights a scene", "give a grid, SH9, DifMap, FIV table, cube map or lobes");
+}
+
+std::unique_ptr<ViewAsset> make_view_difmap(const std::string& path, const DifMap& map) {
+  return make_asset(path, DifMapAsset{upload(map, {}, path), mean_irradiance(map)},
+                    text_of(map.metadata, "environment_hash"));
 }
 
 std::unique_ptr<ViewAsset> make_view_lobes() {
-  auto asset = std::make_unique<ViewAsset>();
-  asset->path = "lobe table made at start";
-  asset->kind = FileKind::lobes;
-  asset->lobes = std::make_unique<GpuLobes>(upload(make_lobe_table()));
-  return asset;
-}
-
-std::unique_ptr<ViewAsset> bake_view_difmap(const std::string& path, const DifMap& map) {
-  auto asset = std::make_unique<ViewAsset>();
-  asset->path = path;
-  asset->kind = FileKind::difmap;
-  asset->difmap = upload(map);
-  asset->mean_e_lux = mean_irradiance(map);
-  asset->environment_hash = text_of(map.metadata, "environment_hash");
-  return asset;
+  return make_asset("lobe table made at start", upload(make_lobe_table()));
 }
 
 const ViewAsset* find_asset(const ViewAssets& assets, FileKind kind) {
   for (const auto& asset : assets) {
-    if (asset->kind == kind) return asset.get();
+    if (asset->kind() == kind) return asset.get();
   }
   return nullptr;
 }

@@ -1,4 +1,4 @@
-#include "tools/view/gui.h"
+#include "tools/view/window/gui.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +8,7 @@
 
 #include "grid/base/error.h"
 #include "tools/cli/common.h"
+#include "tools/view/session/light.h"
 
 namespace ivory {
 
@@ -38,11 +39,10 @@ bool choose(const char* label, Value& value, const Values& all, const Lack& lack
   return changed;
 }
 
-bool draw_assets_of(ViewSession& session, std::size_t object) {
-  ObjectLight& light = session.lights[object];
+bool draw_assets_of(const ViewSession& session, ObjectLight& light) {
   if (light.asset == nullptr) return false;
   int others = 0;
-  for (const auto& asset : session.assets) others += asset->kind == light.asset->kind ? 1 : 0;
+  for (const auto& asset : session.assets) others += asset->kind() == light.asset->kind() ? 1 : 0;
   if (others < 2) {
     ImGui::TextDisabled("%s", light.asset->label().c_str());
     return false;
@@ -50,7 +50,7 @@ bool draw_assets_of(ViewSession& session, std::size_t object) {
   bool changed = false;
   if (ImGui::BeginCombo("asset", light.asset->label().c_str())) {
     for (const auto& asset : session.assets) {
-      if (asset->kind != light.asset->kind) continue;
+      if (asset->kind() != light.asset->kind()) continue;
       if (ImGui::Selectable(asset->label().c_str(), asset.get() == light.asset) && asset.get() != light.asset) {
         light.asset = asset.get();
         changed = true;
@@ -67,13 +67,13 @@ void draw_objects(ViewSession& session, GuiState& state, GuiRequest& request) {
     ViewObject& object = session.world.objects[i];
     ImGui::PushID(int(i));
     if (ImGui::Selectable(object.name.c_str(), state.selected == i)) state.selected = i;
-    ViewMethod method = session.lights[i].method;
+    ViewMethod method = object.light.method;
     ImGui::Indent();
     if (choose("method", method, all_view_methods, [&](ViewMethod m) { return lacks(session, m); })) {
       choose_method(session, i, method);
       request.redraw = true;
     }
-    request.redraw = draw_assets_of(session, i) || request.redraw;
+    request.redraw = draw_assets_of(session, object.light) || request.redraw;
     if (object.moves) {
       if (ImGui::DragFloat3("place, m", &object.offset_m.x, 0.01F)) request.redraw = true;
       if (ImGui::SmallButton("remove")) request.removed = int(i);
@@ -111,7 +111,8 @@ void draw_light(ViewSession& session, GuiRequest& request) {
   }
   ImGui::SameLine();
   bool paper = s.lookup.reconstruction == Reconstruction::paper;
-  const bool vectors = session.debug_grid == nullptr || session.debug_grid->grid->gpu.basis == Basis::vectors;
+  const bool vectors =
+      session.debug_grid == nullptr || std::get<GridAsset>(session.debug_grid->data).gpu.basis == Basis::vectors;
   if (vectors && ImGui::Checkbox("reconstruction of the paper", &paper)) {
     s.lookup.reconstruction = paper ? Reconstruction::paper : Reconstruction::optimal;
     changed = true;
@@ -166,7 +167,7 @@ void draw_camera(const ViewSession& session, GuiRequest& request) {
 void draw_assets(const ViewSession& session, const GuiState& state) {
   if (ImGui::CollapsingHeader("Assets")) {
     for (const auto& asset : session.assets)
-      ImGui::Text("%s: %s, %s", asset->label().c_str(), std::string(name(asset->kind)).c_str(),
+      ImGui::Text("%s: %s, %s", asset->label().c_str(), std::string(name(asset->kind())).c_str(),
                   format_bytes(asset->bytes()).c_str());
     if (!session.environment.empty()) ImGui::Text("environment %s", session.environment.c_str());
     ImGui::TextDisabled("Drop files here: models, assets, images");

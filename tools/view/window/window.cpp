@@ -1,4 +1,4 @@
-#include "tools/view/window.h"
+#include "tools/view/window/window.h"
 
 #include <algorithm>
 #include <utility>

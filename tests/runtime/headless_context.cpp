@@ -1,5 +1,5 @@
 // The context without a window: that it draws, and that several live side by side.
-#include "tools/view/draw/gl_context.h"
+#include "runtime/gl/headless_context.h"
 
 #include <array>
 #include <memory>

@@ -1,4 +1,4 @@
-#include "tools/view/session.h"
+#include "tools/view/session/session.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -8,6 +8,7 @@
 
 #include "grid/base/error.h"
 #include "tools/cli/dynamic_objects.h"
+#include "tools/view/session/occluders.h"
 #include "tracer/core/camera.h"
 #include "tracer/env/irradiance.h"
 #include "tracer/gltf/loader.h"
@@ -25,15 +26,11 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from, 
 }
 
 void add_object(ViewSession& session, ViewObject object) {
-  GpuModel model = upload(*object.scene);
-  append(session.notes, model.left_out, "note: ");
-  // All that can throw has: the three lists stay of one length.
-  session.models.reserve(session.models.size() + 1);
-  session.lights.reserve(session.lights.size() + 1);
-  session.world.objects.reserve(session.world.objects.size() + 1);
-  session.lights.push_back(session.lights.empty() ? ObjectLight{} : session.lights.front());
-  session.models.push_back(std::move(model));
-  session.world.objects.push_back(std::move(object));
+  std::vector<ViewObject>& objects = session.world.objects;
+  object.model = upload(*object.scene);
+  append(session.notes, object.model.left_out, "note: ");
+  if (!objects.empty()) object.light = objects.front().light;
+  objects.push_back(std::move(object));
 }
 
 ViewObject load_object(ViewSession& session, const std::string& path, const V3f& offset_m) {
@@ -54,13 +51,13 @@ void set_environment(ViewSession& session, const EnvironmentChoice& choice) {
   const EnvironmentMap map = to_latlong(std::move(input.image));
   gl::Texture sky = gl::make_texture_2d(choice.path, gl::Format::rgb32f, map.width, map.height, map.radiance.data(),
                                         gl::Filter::nearest, gl::Wrap::repeat, gl::Wrap::clamp);
-  std::unique_ptr<ViewAsset> asset = bake_view_difmap(choice.path, difmap);
+  std::unique_ptr<ViewAsset> asset = make_view_difmap(choice.path, difmap);
   session.environment_hash = asset->environment_hash;
   // It stands before files of another environment, and after none: the latest is what lights.
   session.assets.insert(session.assets.begin(), std::move(asset));
-  for (ObjectLight& light : session.lights) {
-    if (light.method == ViewMethod::difmap || light.method == ViewMethod::fiv)
-      light.asset = session.assets.front().get();
+  for (ViewObject& object : session.world.objects) {
+    if (object.light.method == ViewMethod::difmap || object.light.method == ViewMethod::fiv)
+      object.light.asset = session.assets.front().get();
   }
   session.sky = std::move(sky);
   session.environment = file_name(choice.path);
@@ -108,8 +105,8 @@ Camera choose_camera(const SessionInput& input, const ViewWorld& world) {
 
 std::size_t ViewSession::bytes() const {
   std::size_t sum = sky ? sky->bytes() : 0;
-  if (occluders.gpu) sum += occluders.gpu->bytes();
-  for (const GpuModel& model : models) sum += model.bytes();
+  if (fiv_tables) sum += fiv_tables->bytes();
+  for (const ViewObject& object : world.objects) sum += object.model.bytes();
   for (const auto& asset : assets) sum += asset->bytes();
   if (reference) sum += reference->texture.bytes();
   return sum;
@@ -152,7 +149,9 @@ ViewSession open_session(const SessionInput& input) {
   for (const std::string& text : input.spheres) {
     const std::size_t at = text.rfind('@');
     auto asset = load_view_asset(text.substr(0, at), FileKind::spheres);
-    if (at != std::string::npos) asset->offset_m = parse_vector3("--spheres", std::string_view(text).substr(at + 1));
+    if (at != std::string::npos)
+      std::get<SphereSetAsset>(asset->data).offset_m =
+          parse_vector3("--spheres", std::string_view(text).substr(at + 1));
     session.assets.push_back(std::move(asset));
   }
   if (!session.world.scene().sphere_lights.empty() && find_asset(session.assets, FileKind::lobes) == nullptr)
@@ -172,11 +171,9 @@ std::string add_file(ViewSession& session, const std::string& path, const std::o
     }
     add_object(session, std::move(object));
     try {
-      session.occluders = find_occluders(session.assets, session.world);
+      session.fiv_tables = find_occluders(session.assets, session.world);
     } catch (...) {
       session.world.objects.pop_back();
-      session.models.pop_back();
-      session.lights.pop_back();
       throw;
     }
     measure(session.world);
@@ -197,10 +194,10 @@ std::string add_file(ViewSession& session, const std::string& path, const std::o
     return fmt::format("{} is the environment now", file_name(path));
   }
   std::unique_ptr<ViewAsset> asset = load_view_asset(path, kind);
-  if (asset->grid) {
-    if (!asset->grid->scene_hash.empty() && asset->grid->scene_hash != session.world.scene().content_hash)
+  if (const auto* grid = std::get_if<GridAsset>(&asset->data)) {
+    if (!grid->scene_hash.empty() && grid->scene_hash != session.world.scene().content_hash)
       session.notes.push_back(fmt::format("note: {} was baked from another scene", path));
-    if (asset->grid->holds_direct && session.settings.direct && !session.direct.empty())
+    if (grid->holds_direct && session.settings.direct && !session.direct.empty())
       session.notes.push_back(
           fmt::format("note: {} holds direct light, which is drawn twice now: use --indirect-only", path));
     if (session.debug_grid == nullptr) session.debug_grid = asset.get();
@@ -209,7 +206,7 @@ std::string add_file(ViewSession& session, const std::string& path, const std::o
   session.assets.push_back(std::move(asset));
   if (kind == FileKind::fiv) {
     try {
-      session.occluders = find_occluders(session.assets, session.world);
+      session.fiv_tables = find_occluders(session.assets, session.world);
     } catch (...) {
       session.assets.pop_back();
       throw;
@@ -240,11 +237,7 @@ void set_reference(ViewSession& session, const std::string& path, const Imath::V
 
 void remove_object(ViewSession& session, std::size_t object) {
   if (object == 0 || object >= session.world.objects.size()) return;
-  const auto at = std::ptrdiff_t(object);
-  session.world.objects.erase(session.world.objects.begin() + at);
-  session.models.erase(session.models.begin() + at);
-  session.lights.erase(session.lights.begin() + at);
-  remove_occluder(session.occluders, object);
+  session.world.objects.erase(session.world.objects.begin() + std::ptrdiff_t(object));
 }
 
 }  // namespace ivory

@@ -8,7 +8,7 @@
 
 #include "tools/cli/common.h"
 #include "tools/view/draw/frame.h"
-#include "tools/view/session.h"
+#include "tools/view/session/session.h"
 
 namespace ivory {
 
@@ -25,10 +25,11 @@ struct ViewRun {
   std::optional<float> exposure_stops;  // empty: found from the first frame
 };
 
-// Loads all and applies the choices. Needs a current context.
+// Loads all and applies the choices. Needs a current context. Throws as open_session() does, and UsageError for choices
+// that cannot be had.
 ViewSession start_session(const ViewRun& run, const CommonOptions& common);
 
-// Exposure for the session's picture as it is: what ivory render would choose.
+// Exposure in stops for the session's picture as it is: what ivory render would choose. Draws a point of each pixel.
 float find_exposure(ViewFrame& frame, ViewSession& session, ViewTarget& target);
 
 // Throws UsageError where the file would hold linear light and the session shows none: the difference to a picture of
@@ -52,8 +53,5 @@ std::string screenshot_name(const std::vector<std::string>& outputs, const std::
 
 // Camera, objects and how each is lit.
 nlohmann::ordered_json describe(const ViewSession& session);
-
-void run_headless(const ViewRun& run, const CommonOptions& common);
-void run_window(const ViewRun& run, const CommonOptions& common);
 
 }  // namespace ivory

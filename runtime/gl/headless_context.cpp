@@ -1,4 +1,4 @@
-#include "tools/view/draw/gl_context.h"
+#include "runtime/gl/headless_context.h"
 
 #include <cstring>
 #include <utility>

@@ -4,7 +4,7 @@
 #include <deque>
 #include <string>
 
-#include "tools/view/session.h"
+#include "tools/view/session/session.h"
 
 namespace ivory {
 

@@ -2,11 +2,12 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "grid/fiv/table.h"
+#include "grid/lobes/sphere_set.h"
 #include "runtime/assets/cubemap.h"
 #include "runtime/assets/difmap.h"
 #include "runtime/assets/irradiance_grid.h"
@@ -20,39 +21,48 @@ struct GridAsset {
   GpuGrid gpu;
   gl::Texture visible_fraction;  // R16F, a texel a vertex: the runtime keeps a capped form of it only
   float typical_vector_lux = 0;  // length that nineteen in twenty of the stored vectors stay under
+  Rgb mean_e_lux{0, 0, 0};       // about
   bool holds_direct = false;     // light as well as indirect
   std::string scene_hash;        // of the scene that it was baked from
 };
 
+struct DifMapAsset {
+  GpuDifMap gpu;
+  Rgb mean_e_lux{0, 0, 0};
+};
+
+// It casts shadows by method lobes.
+struct SphereSetAsset {
+  SphereSet set;
+  V3f offset_m{0, 0, 0};  // from where its file has it
+};
+
+// FIV tables wait on the CPU: on the GPU all of them are one texture (tools/view/session/occluders.h).
+using AssetData = std::variant<GridAsset, GpuSh9, DifMapAsset, FivTable, GpuLocalizedCube, GpuLobes, SphereSetAsset>;
+
 struct ViewAsset {
   std::string path;
-  FileKind kind = FileKind::grid;
-  std::unique_ptr<GridAsset> grid;
-  std::optional<GpuSh9> sh9;
-  std::optional<GpuDifMap> difmap;
-  std::optional<GpuLocalizedCube> cubemap;
-  std::optional<FivTable> fiv;  // on the GPU all tables are one texture: see view_occluders.h
-  std::unique_ptr<GpuLobes> lobes;
-  std::optional<SphereSet> spheres;  // shadows of method lobes
-  Rgb mean_e_lux{0, 0, 0};           // of grids and DifMaps, about
-  V3f offset_m{0, 0, 0};             // of the sphere set
-  std::string environment_hash;      // of the environment that it was baked from
+  AssetData data;
+  std::string environment_hash;  // of the environment that it was baked from; empty: of none
 
-  std::string label() const;  // without folders
-  std::size_t bytes() const;
+  FileKind kind() const;
+  std::string label() const;  // the path without folders
+  std::size_t bytes() const;  // on the GPU
 };
 
 // Sources of light refer to assets: they stay where they are.
 using ViewAssets = std::vector<std::unique_ptr<ViewAsset>>;
 
-// The DifMap of an environment, made here and now.
-std::unique_ptr<ViewAsset> bake_view_difmap(const std::string& path, const DifMap& map);
+// All need a current context and throw Error as upload() does.
 
-// A lobe table, made here and now: a second's work.
-std::unique_ptr<ViewAsset> make_view_lobes();
-
-// Reads and uploads. Throws Error as the kind's reader does, and where it cannot light a scene.
+// Reads and uploads. Throws Error as the kind's reader does too, and for a kind that lights no scene.
 std::unique_ptr<ViewAsset> load_view_asset(const std::string& path, FileKind kind);
+
+// Of a map made in memory; `path` names it.
+std::unique_ptr<ViewAsset> make_view_difmap(const std::string& path, const DifMap& map);
+
+// Makes the table of lobes: a second's work.
+std::unique_ptr<ViewAsset> make_view_lobes();
 
 // The first asset of that kind; null for none.
 const ViewAsset* find_asset(const ViewAssets& assets, FileKind kind);

@@ -7,23 +7,15 @@
 #include <utility>
 #include <vector>
 
-#include "runtime/assets/ambient.h"
+#include "runtime/assets/fiv.h"
 #include "tools/cli/common.h"
 #include "tools/cli/environment_input.h"
-#include "tools/view/draw/assets.h"
-#include "tools/view/settings.h"
-#include "tools/view/world/model.h"
-#include "tools/view/world/occluders.h"
+#include "tools/view/session/assets.h"
+#include "tools/view/session/settings.h"
 #include "tools/view/world/world.h"
 #include "tracer/core/film.h"
 
 namespace ivory {
-
-// How an object is lit.
-struct ObjectLight {
-  ViewMethod method = ViewMethod::none;
-  const ViewAsset* asset = nullptr;  // that the method reads
-};
 
 // A picture to compare with.
 struct ReferencePicture {
@@ -35,21 +27,19 @@ struct ReferencePicture {
 
 struct ViewSession {
   ViewWorld world;
-  std::vector<GpuModel> models;      // of the world's objects
-  std::vector<ObjectLight> lights;   // of the world's objects
   std::vector<RuntimeLight> direct;  // of the scene; max_lights at most
   ViewAssets assets;
+  std::optional<GpuFivTables> fiv_tables;  // all of the assets'
   ViewSettings settings;
   const ViewAsset* debug_grid = nullptr;  // that debug views show
   std::optional<ReferencePicture> reference;
-  ViewOccluders occluders;
   std::vector<std::pair<const ViewAsset*, V3f>> lobes_placed;  // lobe tables and sphere sets, where they were last
   std::string environment;                                     // name without folders; empty: none
   std::string environment_hash;                                // of its file
   std::optional<gl::Texture> sky;
   std::vector<std::string> notes;  // one line each, for the user: what was left out or chosen
 
-  std::size_t bytes() const;
+  std::size_t bytes() const;  // on the GPU
 };
 
 struct SessionInput {
@@ -65,7 +55,7 @@ struct SessionInput {
   std::vector<SphereLight> sphere_lights;
 };
 
-// Loads all. Throws UsageError and Error as the parts do; nothing is half loaded.
+// Loads all. Throws UsageError for texts that say nothing, Error for files that cannot be read or drawn.
 ViewSession open_session(const SessionInput& input);
 
 // One more file, given or dropped: a model becomes an object, moved to `at` where that is given; an asset is offered;
@@ -74,23 +64,10 @@ ViewSession open_session(const SessionInput& input);
 std::string add_file(ViewSession& session, const std::string& path, const std::optional<V3f>& at,
                      const Imath::V2i& size);
 
+// The picture to compare with. Throws Error where it cannot be read or is not of the size.
 void set_reference(ViewSession& session, const std::string& path, const Imath::V2i& size);
 
-// Lights an object by a method, from the first asset that it can read. Throws UsageError where there is none.
-void choose_method(ViewSession& session, std::size_t object, ViewMethod method);
-// What choose_method() would lack, or the debug view; empty for nothing.
-std::string lacks(const ViewSession& session, ViewMethod method);
-std::string lacks(const ViewSession& session, DebugView view);
-
-// Takes an object out; not the scene itself.
+// Takes an object out; nothing for the scene itself, which is object 0.
 void remove_object(ViewSession& session, std::size_t object);
-
-// Brings what depends on the objects' places up to date: to be called before a frame when they, or the time, changed.
-void place_objects_now(ViewSession& session);
-
-// A grid as the settings read it.
-AmbientSource grid_source(const ViewAsset& asset, const ViewSettings& settings);
-// The source that lights the object now.
-AmbientSource ambient_source(const ViewSession& session, std::size_t object);
 
 }  // namespace ivory
