@@ -151,7 +151,7 @@ Bsdf make_bsdf(const Surface& surface) {
 }
 
 Rgb eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes) {
-  const Frame frame = make_frame(bsdf.ns);
+  const ShadingFrame frame = make_shading_frame(bsdf.ns);
   const V3f o = frame.to_local(wo);
   const V3f i = frame.to_local(wi);
   if (!above(bsdf, wo, o) || !above(bsdf, wi, i)) return Rgb(0, 0, 0);
@@ -159,7 +159,7 @@ Rgb eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes) {
 }
 
 float pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes) {
-  const Frame frame = make_frame(bsdf.ns);
+  const ShadingFrame frame = make_shading_frame(bsdf.ns);
   const V3f o = frame.to_local(wo);
   const V3f i = frame.to_local(wi);
   if (!above(bsdf, wo, o) || !above(bsdf, wi, i)) return 0;
@@ -167,7 +167,7 @@ float pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes) {
 }
 
 BsdfValue eval_with_pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
-  const Frame frame = make_frame(bsdf.ns);
+  const ShadingFrame frame = make_shading_frame(bsdf.ns);
   const V3f o = frame.to_local(wo);
   const V3f i = frame.to_local(wi);
   if (!above(bsdf, wo, o) || !above(bsdf, wi, i)) return {};
@@ -175,7 +175,7 @@ BsdfValue eval_with_pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
 }
 
 std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, float u_lobe, const V2f& u, Lobes lobes) {
-  const Frame frame = make_frame(bsdf.ns);
+  const ShadingFrame frame = make_shading_frame(bsdf.ns);
   if (is_black(bsdf.f0) && is_black(bsdf.f90)) {
     // Lambert alone: f cos / pdf is the albedo to the last bit, which closed-form truths rely on.
     if (!(wo.dot(bsdf.ns) > min_cosine) || !(wo.dot(bsdf.ng) > 0)) return std::nullopt;

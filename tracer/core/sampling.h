@@ -10,7 +10,7 @@
 namespace ivory {
 
 // An orthonormal frame whose z is a given unit vector.
-struct Frame {
+struct ShadingFrame {
   V3f x, y, z;
 
   V3f to_local(const V3f& w) const { return {w.dot(x), w.dot(y), w.dot(z)}; }
@@ -18,7 +18,7 @@ struct Frame {
 };
 
 // Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
-inline Frame make_frame(const V3f& z) {
+inline ShadingFrame make_shading_frame(const V3f& z) {
   const float sign = std::copysign(1.0F, z.z);
   const float a = -1.0F / (sign + z.z);
   const float b = z.x * z.y * a;

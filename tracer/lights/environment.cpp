@@ -68,7 +68,7 @@ Rgb power_lm(const EnvironmentLight& light, const BoundingSphere& sphere) {
 // L pi R^2 / p(w): the same luminance for every photon.
 EmittedPhoton emit(const EnvironmentLight& light, const BoundingSphere& sphere, RandomStream& random) {
   const V3f w = sample_direction(light, random);
-  const Frame frame = make_frame(w);
+  const ShadingFrame frame = make_shading_frame(w);
   const V2f disc = sample_disc(random.next2()) * sphere.radius_m;
   const float pdf = pdf_solid_angle(light, w);
   const Rgb power = pdf > 0 ? eval(*light.map, w) * (pi * sphere.radius_m * sphere.radius_m / pdf) : Rgb(0, 0, 0);

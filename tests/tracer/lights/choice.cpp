@@ -183,7 +183,7 @@ TEST(Lights, NarrowSpotsKeepTheirLight) {
       // At 1 m the point's floats turn its direction by 2e-7 and more: of a cone of 1e-4 rad, too much to compare.
       EXPECT_NEAR(irradiance_samples(*lit.lights, p, -spot.direction, 4).mean(), on_axis, 2e-3 * on_axis) << outer;
     }
-    const Frame frame = make_frame(spot.direction);
+    const ShadingFrame frame = make_shading_frame(spot.direction);
     EXPECT_FALSE(lit.lights->sample(p + frame.x * (2 * outer + 1e-6F), random)) << outer;
   }
 }
@@ -230,7 +230,7 @@ TEST(ShadowEnds, BlockersCloseToALampBlock) {
 TEST(ShadowEnds, EmittersCloseByLightFarFromTheOrigin) {
   // Leaning: coordinates along the axes would round to the very plane of the lamp.
   const V3f n = V3f(0.4F, 1, -0.3F).normalized();
-  const Frame frame = make_frame(n);
+  const ShadingFrame frame = make_shading_frame(n);
   for (const float far_m : {0.0F, 10.0F, 100.0F, 1000.0F}) {
     for (const float height_m : {0.3F, 0.03F, 0.01F}) {
       const V3f p(far_m, far_m, -far_m);

@@ -107,7 +107,8 @@ TEST(Lights, SpotLight) {
     const double expected_e = 3.0 / 4 * std::pow(std::min(1.0, (1 - lowest) / width), 2);
     // A float cosine near 1 is good to 6e-8, of a zone that may be only 0.001 wide.
     EXPECT_NEAR(irradiance_samples(*lit.lights, p, -spot.direction, 4).mean(), expected_e, 1e-3 * expected_e);
-    const V3f outside = make_frame(spot.direction).to_world(direction_at_cosine(std::cos(cone.outer + 0.01F), 0.3F));
+    const V3f outside =
+        make_shading_frame(spot.direction).to_world(direction_at_cosine(std::cos(cone.outer + 0.01F), 0.3F));
     EXPECT_FALSE(lit.lights->sample(outside, random));
   }
 }
