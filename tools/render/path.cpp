@@ -21,7 +21,7 @@ RenderMethod make_path_method(CLI::App& command) {
     PathParams path;
     path.max_bounces = int_count("--max-bounces", *max_bounces, 0);
     path.indirect_only = request.indirect_only;
-    return render_path(*request.input.intersector, *request.input.lights, request.view, request.params, path);
+    return render_path(request.input.lit, request.view, request.params, path);
   };
   method.describe = [max_bounces](Metadata& m) { m["max_bounces"] = std::int64_t(*max_bounces); };
   return method;

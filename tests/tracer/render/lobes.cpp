@@ -48,13 +48,10 @@ LobeReflectance phong(const V3f& n, const V3f& mirror, float exponent) {
 
 // A point at the origin under one light, its occluders given; a scene for the signature alone.
 struct LitPoint {
-  Scene scene;
-  std::optional<Intersector> intersector;
+  LitScene lit = make_lit_scene(Scene());
   LobeScene lobes;
 
   explicit LitPoint(const SphereLight& light) {
-    add_mesh(scene, make_quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, add_lambert(scene, Rgb(1, 1, 1))));
-    intersector.emplace(scene);
     lobes.table = table();
     lobes.lights = {light};
   }
@@ -64,7 +61,7 @@ struct LitPoint {
     Surface surface;
     surface.p = p;
     surface.ng = V3f(0, 1, 0);
-    return lobe_direct_light(lobes, *intersector, surface, r, params, random);
+    return lobe_direct_light(lobes, lit, surface, r, params, random);
   }
 };
 
@@ -217,10 +214,9 @@ TEST(LobeDirect, TwinOnTheMeshAgreesWithThePathTracer) {
   for (auto& t : box.triangles) std::swap(t.y, t.z);
   add_mesh(scene, box);
   add_sphere_light(scene, {V3f(0.3F, 2.5F, 0.2F), 0.4F, Rgb(10, 10, 10)}, "test");
-  const Intersector intersector(scene);
-  const Lights lights(scene, intersector);
+  const LitScene lit = make_lit_scene(std::move(scene));
   LobeScene lobes;
-  lobes.lights = scene.sphere_lights;
+  lobes.lights = lit.scene->sphere_lights;
   LobeParams params;
   params.shadows = LobeShadows::mesh;
   params.shadow_rays = 16;
@@ -230,16 +226,16 @@ TEST(LobeDirect, TwinOnTheMeshAgreesWithThePathTracer) {
     Ray ray;
     ray.origin = V3f(1.5F, 1.2F, 1.5F);
     ray.direction = (target - ray.origin).normalized();
-    const std::optional<Hit> hit = intersector.closest(ray);
+    const std::optional<Hit> hit = lit.intersector.closest(ray);
     ASSERT_TRUE(hit);
-    const Surface surface = make_surface(scene, ray, *hit);
-    const LobeReflectance r = make_lobe_reflectance(scene, *hit, surface, -ray.direction);
+    const Surface surface = make_surface(*lit.scene, ray, *hit);
+    const LobeReflectance r = make_lobe_reflectance(*lit.scene, *hit, surface, -ray.direction);
     RandomStream random(5, StreamPurpose::test, 0);
     Accumulator twin;
     Accumulator path;
     for (int i = 0; i < 4000; ++i) {
-      twin.add(double(lobe_direct_light(lobes, intersector, surface, r, params, random).y));
-      for (int k = 0; k < 4; ++k) path.add(double(trace_path(intersector, lights, ray, direct, random).y));
+      twin.add(double(lobe_direct_light(lobes, lit, surface, r, params, random).y));
+      for (int k = 0; k < 4; ++k) path.add(double(trace_path(lit, ray, direct, random).y));
     }
     // 0.2 % beside: the light's mesh is a ball to 0.1 %.
     EXPECT_LE(std::abs(twin.mean() - path.mean()),
@@ -303,8 +299,7 @@ TEST(SphereLight, PathTracerSeesABall) {
     Scene scene;
     add_mesh(scene, make_quad(at + V3f(-1, 0, 1), {2, 0, 0}, {0, 0, -2}, add_lambert(scene, Rgb(1, 1, 1))));
     add_sphere_light(scene, {at + V3f(0.5F, 2, 0), 0.5F, Rgb(3, 3, 3)}, "test");
-    const Intersector intersector(scene);
-    const Lights lights(scene, intersector);
+    const LitScene lit = make_lit_scene(std::move(scene));
     Ray ray;
     ray.origin = at + V3f(0, 0.5F, 0.3F);
     ray.direction = V3f(0, -0.5F, -0.3F).normalized();
@@ -312,7 +307,7 @@ TEST(SphereLight, PathTracerSeesABall) {
     direct.max_bounces = 1;
     RandomStream random(5, StreamPurpose::test, 1);
     Accumulator path;
-    for (int i = 0; i < 40000; ++i) path.add(double(trace_path(intersector, lights, ray, direct, random).y));
+    for (int i = 0; i < 40000; ++i) path.add(double(trace_path(lit, ray, direct, random).y));
     const double d2 = 4.25;
     const double expected = 3 * 0.25 / d2 * 2 / std::sqrt(d2);
     EXPECT_LT(std::abs(path.mean() - expected), z_limit * path.standard_error() + 1e-3 * expected);
