@@ -1,8 +1,8 @@
 // Mending of triangle meshes: degenerate triangles, unused vertices, flat normals, tangents.
+#include "tracer/gltf/geometry.h"
+
 #include <array>
 #include <cmath>
-
-#include "tracer/gltf/meshes.h"
 
 namespace ivory::gltf {
 namespace {

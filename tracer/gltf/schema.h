@@ -11,7 +11,7 @@ namespace ivory::gltf {
 // (animations, skins, extras, unknown extensions) is not looked at.
 void check_schema(Document& document);
 
-// Throws Error for an unknown required extension; warns of optional ones that are ignored. In extensions.cpp.
+// Throws Error for an unknown required extension; warns of optional ones that are ignored.
 void check_extensions(Document& document);
 
 }  // namespace ivory::gltf

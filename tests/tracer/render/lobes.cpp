@@ -7,11 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/base/error.h"
-#include "tests/support/gltf_builder.h"
 #include "tests/support/statistics.h"
 #include "tools/stability/scene_builder.h"
-#include "tracer/gltf/loader.h"
 #include "tracer/lights/sphere.h"
 #include "tracer/render/path_tracer.h"
 
@@ -292,83 +289,6 @@ TEST(LobeReflectance, LafortunesMirrorLobeIsPhongs) {
   const Rgb there = eval(r, wi) / wi.y;
   const Rgb again = eval(q, -ray.direction) / -ray.direction.y;
   for (unsigned c = 0; c < 3; ++c) EXPECT_NEAR(there[c], again[c], 1e-4F);
-}
-
-TEST(SphereLight, PathTracerSeesABall) {
-  for (const V3f& at : {V3f(0, 0, 0), V3f(1000, -500, 20)}) {
-    Scene scene;
-    add_mesh(scene, make_quad(at + V3f(-1, 0, 1), {2, 0, 0}, {0, 0, -2}, add_lambert(scene, Rgb(1, 1, 1))));
-    add_sphere_light(scene, {at + V3f(0.5F, 2, 0), 0.5F, Rgb(3, 3, 3)}, "test");
-    const LitScene lit = make_lit_scene(std::move(scene));
-    Ray ray;
-    ray.origin = at + V3f(0, 0.5F, 0.3F);
-    ray.direction = V3f(0, -0.5F, -0.3F).normalized();
-    PathParams direct;
-    direct.max_bounces = 1;
-    RandomStream random(5, StreamPurpose::test, 1);
-    Accumulator path;
-    for (int i = 0; i < 40000; ++i) path.add(double(trace_path(lit, ray, direct, random).y));
-    const double d2 = 4.25;
-    const double expected = 3 * 0.25 / d2 * 2 / std::sqrt(d2);
-    EXPECT_LT(std::abs(path.mean() - expected), z_limit * path.standard_error() + 1e-3 * expected);
-  }
-}
-
-TEST(SphereLight, RefusesWhatIsNoBall) {
-  Scene scene;
-  EXPECT_THROW(add_sphere_light(scene, {V3f(0, 0, 0), 0, Rgb(1, 1, 1)}, "t"), Error);
-  EXPECT_THROW(add_sphere_light(scene, {V3f(0, 0, 0), -1, Rgb(1, 1, 1)}, "t"), Error);
-  EXPECT_THROW(add_sphere_light(scene, {V3f(0, NAN, 0), 1, Rgb(1, 1, 1)}, "t"), Error);
-  EXPECT_THROW(add_sphere_light(scene, {V3f(0, 0, 0), 1, Rgb(1, -1, 1)}, "t"), Error);
-  EXPECT_THROW(add_sphere_light(scene, {V3f(1e8F, 0, 0), 1, Rgb(1, 1, 1)}, "t"), Error);
-  EXPECT_TRUE(scene.instances.empty());
-}
-
-TEST(GltfExtras, ReadLightsAndLafortuneLobes) {
-  GltfBuilder b;
-  b.root["materials"].push_back(
-      {{"extras",
-        {{"ivory_lafortune", {{{"k", {0.1, 0.2, 0.3}}, {"c", {-1, -1, 0.9}}, {"exponent", 12}, {"tinted", true}}}}}}});
-  const int mesh =
-      b.add_mesh({{"attributes", {{"POSITION", b.add({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}})}}}, {"material", 0}});
-  b.add_node({{"mesh", mesh}});
-  b.add_node({{"translation", {1, 2, 3}},
-              {"scale", {2, 2, 2}},
-              {"extras", {{"ivory_sphere_light", {{"radius", 0.25}, {"radiance", {1, 2, 3}}}}}}});
-  const Scene scene = load_gltf(b.write("extras")).scene;
-  ASSERT_EQ(scene.sphere_lights.size(), 1U);
-  EXPECT_EQ(scene.sphere_lights[0].center, V3f(1, 2, 3));
-  EXPECT_NEAR(scene.sphere_lights[0].radius_m, 0.5F, 1e-6F);
-  EXPECT_EQ(scene.sphere_lights[0].radiance_nits, Rgb(1, 2, 3));
-  ASSERT_EQ(scene.materials[0].lafortune.size(), 1U);
-  EXPECT_EQ(scene.materials[0].lafortune[0].exponent, 12);
-  EXPECT_TRUE(scene.materials[0].lafortune[0].tinted);
-}
-
-TEST(GltfExtras, RefuseWhatMakesNoSense) {
-  const auto load = [](const nlohmann::json& light, const nlohmann::json& lobes) {
-    GltfBuilder b;
-    nlohmann::json material = nlohmann::json::object();
-    if (!lobes.is_null()) material["extras"]["ivory_lafortune"] = lobes;
-    b.root["materials"].push_back(material);
-    b.add_node({{"mesh", b.add_triangle_mesh()}});
-    if (!light.is_null()) b.add_node({{"extras", {{"ivory_sphere_light", light}}}});
-    load_gltf(b.write("bad_extras"));
-  };
-  EXPECT_NO_THROW(load(nullptr, nullptr));
-  for (const nlohmann::json& light :
-       {nlohmann::json(3), nlohmann::json({{"radius", 1}}), nlohmann::json({{"radius", 0}, {"radiance", {1, 1, 1}}}),
-        nlohmann::json({{"radius", "1"}, {"radiance", {1, 1, 1}}}),
-        nlohmann::json({{"radius", 1}, {"radiance", {1, 1}}}),
-        nlohmann::json({{"radius", 1}, {"radiance", {1, -1, 1}}}),
-        nlohmann::json({{"radius", 1e300}, {"radiance", {1, 1, 1}}})})
-    EXPECT_THROW(load(light, nullptr), Error) << light;
-  for (const nlohmann::json& lobes : {nlohmann::json(1), nlohmann::json::array(), nlohmann::json({1}),
-                                      nlohmann::json({{{"k", {1, 1, 1}}, {"c", {1, 1, 1}}, {"exponent", -1}}}),
-                                      nlohmann::json({{{"k", {1, 1, 1}}, {"c", {1, 1, 1}}}}),
-                                      nlohmann::json({{{"k", {1, 1, 1}}, {"c", {9, 1, 1}}, {"exponent", 100}}}),
-                                      nlohmann::json({{{"k", {-1, 1, 1}}, {"c", {1, 1, 1}}, {"exponent", 1}}})})
-    EXPECT_THROW(load(nullptr, lobes), Error) << lobes;
 }
 
 }  // namespace
