@@ -35,7 +35,7 @@ IrradianceGrid load_grid(const GridInputOptions& options, const SceneInput& inpu
   if (options.guard == "planes" && grid.guard.empty())
     throw Error(options.grid, "stores no guard planes", "bake it with --guard planes, or render with --guard rays");
   check_environment(options.grid, grid.metadata, input);
-  if (!text("scene_hash").empty() && text("scene_hash") != input.scene.content_hash)
+  if (!text("scene_hash").empty() && text("scene_hash") != input.lit.scene->content_hash)
     print_note(common, fmt::format("note: {} was baked from another scene ({})", options.grid, text("scene")));
   if (options.reconstruction == "paper" && grid.basis != Basis::vectors)
     throw UsageError(

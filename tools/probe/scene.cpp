@@ -35,7 +35,7 @@ ProbeEstimates probe_path_traced(const SceneOptions& options, const ProbeRequest
     progress.update(static_cast<std::uint64_t>(fraction * static_cast<double>(paths)), paths);
   };
   ProbeEstimates out;
-  for (const ProbeResult& result : probe_scene(input->scene, *input->intersector, *input->lights, points, params)) {
+  for (const ProbeResult& result : probe_scene(input.lit, points, params)) {
     out.e.push_back(result.e);
     out.standard_error.push_back(result.standard_error);
   }

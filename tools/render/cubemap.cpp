@@ -26,7 +26,7 @@ Film render_cubemap(const CubemapOptions& options, const RenderRequest& request)
   const LocalizedCube cube = read_localized_cube(options.path);
   check_environment(options.path, cube.metadata, request.input);
   const auto baked = cube.metadata.find("scene_hash");
-  if (baked != cube.metadata.end() && baked->second != MetaValue(request.input.scene.content_hash))
+  if (baked != cube.metadata.end() && baked->second != MetaValue(request.input.lit.scene->content_hash))
     print_note(common, fmt::format("note: {} was baked from another scene", options.path));
   ObjectLightParams params;
   params.is_object = request.is_object;
@@ -37,8 +37,8 @@ Film render_cubemap(const CubemapOptions& options, const RenderRequest& request)
     light = grid_light(*options.grid, *grid);
     params.grid = &light;
   }
-  return render_with_cube(*request.input.intersector, *request.input.lights,
-                          {&cube, cube_method_from_name(options.lookup)}, request.view, request.params, params);
+  return render_with_cube(request.input.lit, {&cube, cube_method_from_name(options.lookup)}, request.view,
+                          request.params, params);
 }
 
 }  // namespace

@@ -22,10 +22,9 @@ Film render_grid(const GatherOptions& options, bool gather, const RenderRequest&
   GatherParams params;
   params.gather_rays = gather ? *options.gather : 0;
   params.indirect_only = request.indirect_only;
-  const Intersector& intersector = *request.input.intersector;
+  const LitScene& lit = request.input.lit;
   const GridLight light = grid_light(*options.grid, grid);
-  return render_gather(intersector, *request.input.lights, indirect_light(intersector, light), request.view,
-                       request.params, params);
+  return render_gather(lit, indirect_light(lit, light), request.view, request.params, params);
 }
 
 RenderMethod make_method(const std::shared_ptr<GatherOptions>& options, bool gather) {

@@ -44,7 +44,7 @@ LobeParams params_of(const LobeOptions& options) {
 }
 
 Film render(const LobeOptions& options, const RenderRequest& request) {
-  const Scene& scene = request.input.scene;
+  const Scene& scene = *request.input.lit.scene;
   if (scene.sphere_lights.empty())
     throw Error(scene.name, "has no spherical light, the only kind that --method lobes lights by",
                 "give --sphere-light X,Y,Z,RADIUS,R,G,B, or extras.ivory_sphere_light in the scene");
@@ -61,7 +61,7 @@ Film render(const LobeOptions& options, const RenderRequest& request) {
   if (!scene.lights.empty() || scene.environment)
     print_note(request.common,
                "note: --method lobes leaves out point, spot and directional lights and the environment");
-  return render_lobes(lobes, *request.input.intersector, request.view, request.params, params_of(options));
+  return render_lobes(lobes, request.input.lit, request.view, request.params, params_of(options));
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ RenderMethod make_path_method(Command command) {
     PathParams path;
     path.max_bounces = *max_bounces;
     path.indirect_only = request.indirect_only;
-    return render_path(*request.input.intersector, *request.input.lights, request.view, request.params, path);
+    return render_path(request.input.lit, request.view, request.params, path);
   };
   method.describe = [max_bounces](Metadata& m) { m["max_bounces"] = std::int64_t(*max_bounces); };
   return method;

@@ -35,7 +35,7 @@ Film render(PhotonMapOptions& options, const RenderRequest& request) {
   const PhotonMap map = [&] {
     Progress progress(request.common, "mapping", "photons");
     params.progress = progress.callback();
-    return PhotonMap(*request.input.intersector, *request.input.lights, params);
+    return PhotonMap(request.input.lit, params);
   }();
   options.stored = map.photons_stored();
   options.bytes = map.bytes();
@@ -44,7 +44,7 @@ Film render(PhotonMapOptions& options, const RenderRequest& request) {
   gather.indirect_only = request.indirect_only;
   // On the surface's geometric side: estimates stand for surfaces, not for shading normals.
   const IndirectLight light = [&map](const Surface& surface) { return map.irradiance(surface.p, surface.ng); };
-  return render_gather(*request.input.intersector, *request.input.lights, light, request.view, request.params, gather);
+  return render_gather(request.input.lit, light, request.view, request.params, gather);
 }
 
 }  // namespace

@@ -42,19 +42,20 @@ struct RenderOptions {
   bool indirect_only = false;
 };
 
-View choose_view(const RenderOptions& options, const Scene& scene, const Intersector& intersector) {
+View choose_view(const RenderOptions& options, const LitScene& lit) {
   const int width = options.size.x;
   const int height = options.size.y;
-  if (!options.camera.empty()) return make_view(options.scene, find_camera(scene, options.camera), width, height);
-  if (!scene.cameras.empty()) return make_view(options.scene, scene.cameras.front(), width, height);
-  const Camera framing = framing_camera(intersector.center(), intersector.radius_m(), float(width) / float(height));
+  if (!options.camera.empty()) return make_view(options.scene, find_camera(*lit.scene, options.camera), width, height);
+  if (!lit.scene->cameras.empty()) return make_view(options.scene, lit.scene->cameras.front(), width, height);
+  const float aspect = float(width) / float(height);
+  const Camera framing = framing_camera(lit.intersector.center(), lit.intersector.radius_m(), aspect);
   return make_view(options.scene, framing, width, height);
 }
 
 Film render(const RenderOptions& options, const RenderMethod& method, const SceneInput& input,
             const std::vector<bool>& is_object, const CommonOptions& common) {
-  const View view = choose_view(options, input.scene, *input.intersector);
-  if (input.lights->empty()) print_note(common, fmt::format("warning: nothing in {} emits light", options.scene));
+  const View view = choose_view(options, input.lit);
+  if (input.lit.lights.empty()) print_note(common, fmt::format("warning: nothing in {} emits light", options.scene));
   RenderParams params;
   params.samples = options.samples;
   params.seed = options.seed;
@@ -131,10 +132,10 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
   });
 
   const auto start = std::chrono::steady_clock::now();
-  const Film film = render(options, method, *input, is_object, common);
+  const Film film = render(options, method, input, is_object, common);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-  const Metadata metadata = describe(options, method, *input);
+  const Metadata metadata = describe(options, method, input);
   const bool any_display = !std::all_of(options.outputs.begin(), options.outputs.end(), is_linear_image);
   const float exposure = options.exposure_stops.value_or(any_display ? auto_exposure(film) : 0);
   for (const std::string& output : options.outputs) {
@@ -157,7 +158,7 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
   result["mean_radiance_nits"] = {mean[0], mean[1], mean[2]};
   result["seconds"] = seconds;
   result["render_seconds"] = film.render_seconds;
-  result["warnings"] = input->warnings;
+  result["warnings"] = input.warnings;
   std::string human = fmt::format("{}: {} x {}, {}, {} samples a pixel, mean {:.4g} {:.4g} {:.4g} nits, {:.2f} s\n",
                                   fmt::join(options.outputs, ", "), film.width, film.height, options.method,
                                   options.samples, mean[0], mean[1], mean[2], seconds);

@@ -1,4 +1,4 @@
-#include "tracer/bake/spheres/ball_fit.h"
+#include "tracer/bake/spheres/packing.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,13 +45,13 @@ void for_each_voxel(const Voxels& voxels, const V3d& center, double radius, cons
   }
 }
 
-void cover(Voxels& voxels, const Ball& ball, int change) {
-  for_each_voxel(voxels, ball.center, ball.radius,
+void cover(Voxels& voxels, const PackedSphere& sphere, int change) {
+  for_each_voxel(voxels, sphere.center, sphere.radius,
                  [&](std::size_t at, double) { voxels.covered[at] = std::uint16_t(voxels.covered[at] + change); });
 }
 
 struct Candidate {
-  Ball ball;
+  PackedSphere sphere;
   int gain = 0;
 };
 
@@ -80,9 +80,9 @@ Candidate climb(const Voxels& voxels, const V3d& start, double radius, double fi
     Candidate next = best;
     for (int axis = 0; axis < 3; ++axis) {
       for (const double sign : {-1.0, 1.0}) {
-        V3d center = best.ball.center;
+        V3d center = best.sphere.center;
         center[axis] += sign * step;
-        const Candidate tried = best_radius(voxels, center, best.ball.radius + 2 * step + 1);
+        const Candidate tried = best_radius(voxels, center, best.sphere.radius + 2 * step + 1);
         if (tried.gain > next.gain) next = tried;
       }
     }
@@ -153,17 +153,17 @@ std::vector<V3d> seeds(const Voxels& voxels, bool sheets, std::vector<std::uint1
 
 class Fitter {
  public:
-  Fitter(Voxels& voxels, const BallFitParams& params) : voxels_(voxels), params_(params) {
+  Fitter(Voxels& voxels, const SpherePackingParams& params) : voxels_(voxels), params_(params) {
     distance_.resize(voxels.score.size());
     std::fill(voxels.covered.begin(), voxels.covered.end(), std::uint16_t(0));
   }
 
-  std::vector<Ball> run() {
-    while (int(balls_.size()) < params_.count) {
+  std::vector<PackedSphere> run() {
+    while (int(spheres_.size()) < params_.count) {
       const Candidate candidate = best_new();
       if (candidate.gain <= 0) break;
-      add(candidate.ball);
-      report(0.5 * double(balls_.size()) / params_.count);
+      add(candidate.sphere);
+      report(0.5 * double(spheres_.size()) / params_.count);
     }
     for (int round = 0; round < params_.rounds; ++round) {
       const bool moved = relax();
@@ -171,16 +171,16 @@ class Fitter {
       report(0.5 + 0.5 * (round + 1) / params_.rounds);
       if (!moved && !teleported) break;
     }
-    return balls_;
+    return spheres_;
   }
 
  private:
   void report(double fraction) const {
     if (params_.progress) params_.progress(fraction);
   }
-  void add(const Ball& ball) {
-    cover(voxels_, ball, 1);
-    balls_.push_back(ball);
+  void add(const PackedSphere& sphere) {
+    cover(voxels_, sphere, 1);
+    spheres_.push_back(sphere);
   }
   Candidate best_new() {
     Candidate best;
@@ -194,65 +194,67 @@ class Fitter {
   const int* size_begin() const { return &voxels_.size.x; }
   const int* size_end() const { return &voxels_.size.x + 3; }
 
-  // Each ball to its best place given the others.
+  // Each sphere to its best place given the others.
   bool relax() {
     bool moved = false;
-    for (Ball& ball : balls_) {
-      cover(voxels_, ball, -1);
-      const int before = gain_of(ball);
-      const Candidate candidate = climb(voxels_, ball.center, ball.radius, 1);
+    for (PackedSphere& sphere : spheres_) {
+      cover(voxels_, sphere, -1);
+      const int before = gain_of(sphere);
+      const Candidate candidate = climb(voxels_, sphere.center, sphere.radius, 1);
       if (candidate.gain > before) {
-        ball = candidate.ball;
+        sphere = candidate.sphere;
         moved = true;
       }
-      cover(voxels_, ball, 1);
+      cover(voxels_, sphere, 1);
     }
     return moved;
   }
 
-  // The balls that gain least, each tried where a new one would gain most.
+  // The spheres that gain least, each tried where a new one would gain most.
   bool teleport() {
     bool any = false;
-    const std::size_t tries = std::max<std::size_t>(1, balls_.size() / 16);
-    for (std::size_t i = 0; i < tries && balls_.size() > 1; ++i) {
+    const std::size_t tries = std::max<std::size_t>(1, spheres_.size() / 16);
+    for (std::size_t i = 0; i < tries && spheres_.size() > 1; ++i) {
       std::size_t least = 0;
       int least_gain = std::numeric_limits<int>::max();
-      for (std::size_t k = 0; k < balls_.size(); ++k) {
-        cover(voxels_, balls_[k], -1);
-        const int gain = gain_of(balls_[k]);
-        cover(voxels_, balls_[k], 1);
+      for (std::size_t k = 0; k < spheres_.size(); ++k) {
+        cover(voxels_, spheres_[k], -1);
+        const int gain = gain_of(spheres_[k]);
+        cover(voxels_, spheres_[k], 1);
         if (gain < least_gain) {
           least_gain = gain;
           least = k;
         }
       }
-      cover(voxels_, balls_[least], -1);
+      cover(voxels_, spheres_[least], -1);
       const Candidate candidate = best_new();
       const bool better = candidate.gain > least_gain;
-      if (better) balls_[least] = candidate.ball;
-      cover(voxels_, balls_[least], 1);
+      if (better) spheres_[least] = candidate.sphere;
+      cover(voxels_, spheres_[least], 1);
       if (!better) break;
       any = true;
     }
     return any;
   }
 
-  int gain_of(const Ball& ball) const {
+  int gain_of(const PackedSphere& sphere) const {
     int sum = 0;
-    for_each_voxel(voxels_, ball.center, ball.radius, [&](std::size_t at, double) {
+    for_each_voxel(voxels_, sphere.center, sphere.radius, [&](std::size_t at, double) {
       if (voxels_.covered[at] == 0) sum += voxels_.score[at];
     });
     return sum;
   }
 
   Voxels& voxels_;
-  const BallFitParams& params_;
+  const SpherePackingParams& params_;
   std::vector<std::uint16_t> distance_;
-  std::vector<Ball> balls_;
+  std::vector<PackedSphere> spheres_;
 };
 
 }  // namespace
 
-std::vector<Ball> fit_balls(Voxels& voxels, const BallFitParams& params) { return Fitter(voxels, params).run(); }
+std::vector<PackedSphere> pack_spheres(Voxels& voxels, const SpherePackingParams& params) {
+  return Fitter(voxels, params).run();
+}
 
 }  // namespace ivory
