@@ -13,7 +13,7 @@ those along the longest side; settings of curves are numbers of photons, samples
 4: where curves run level in scenes of much detail, the samples of edges and highlights are the limit."""
 
 SIZE = {"quick": "120x90", "full": "240x180"}
-# Two of so many samples a pixel; less where a sample is dear. Their noise is taken out of the errors.
+# Two of so many samples a pixel; fewer where a sample takes long. Their noise is taken out of the errors.
 REFERENCE_SAMPLES = {"quick": "1k", "full": "2k"}
 FEWER_REFERENCE_SAMPLES = {"interior": "1k", "sunlit garden": "1k"}
 DIRECT_SAMPLES, GATHER_SAMPLES = 16, 4

@@ -26,7 +26,7 @@ SHORT_S, REPEATS = 1.0, 3
 DISTURBED, MORE_REPEATS = 0.1, 2
 START_UP_REPEATS = 7
 LEAST_S = 0.001
-# To be raised where point() below takes its figures otherwise: points are then made anew from the records of their steps.
+# Raise it where point() below takes its figures in another way: points are then made again from the records of their steps.
 POINT_VERSION = 2
 
 

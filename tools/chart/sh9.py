@@ -4,8 +4,8 @@ import tables
 from steps import File, Out, Point, Step
 
 TITLE = "Distant light: SH9 and irradiance maps"
-ABOUT = """E at random normals against the sum over all texels of the map (`ivory probe MAP`), whose own error bound is the dashed
-floor; RMS over normals and colours, divided by the mean E. Time is that of reading the map and baking; the errors that both bakes measure of themselves are left out."""
+ABOUT = """E at random normals against the sum over all texels of the map (`ivory probe MAP`), whose own error bound is drawn
+too; RMS over normals and colours, divided by the mean E. Time is that of reading the map and baking; the errors that both bakes measure of themselves are left out."""
 
 
 def points(suite, inputs, runner):
