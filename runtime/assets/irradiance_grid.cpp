@@ -26,7 +26,7 @@ std::int64_t longest_side(const V3i& vertices, const V3i& tiles) {
 
 GpuGrid upload_named(const std::string& what, const IrradianceGrid& grid, const GridUploadParams& params) {
   if (params.form == GridForm::norms_and_directions && grid.basis != Basis::vectors)
-    throw UsageError(fmt::format("norms and directions hold the basis vectors only, not {}", name(grid.basis)));
+    throw UsageError(fmt::format("norms and directions hold the basis vectors only, not {}", name_of(grid.basis)));
   gl::require_context();
   GpuGrid out;
   out.frame = grid.frame;

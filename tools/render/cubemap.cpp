@@ -25,8 +25,7 @@ Film render_cubemap(const CubemapOptions& options, const RenderRequest& request)
   const CommonOptions& common = request.common;
   const LocalizedCube cube = read_localized_cube(options.path);
   check_environment(options.path, cube.metadata, request.input);
-  const auto baked = cube.metadata.find("scene_hash");
-  if (baked != cube.metadata.end() && baked->second != MetaValue(request.input.scene.content_hash))
+  if (const auto baked = find_text(cube.metadata, "scene_hash"); baked && *baked != request.input.scene.content_hash)
     print_note(common, fmt::format("note: {} was baked from another scene", options.path));
   ObjectLightParams params;
   params.is_object = request.is_object;
@@ -38,7 +37,7 @@ Film render_cubemap(const CubemapOptions& options, const RenderRequest& request)
     params.grid = &light;
   }
   return render_with_cube(*request.input.intersector, *request.input.lights,
-                          {&cube, cube_method_from_name(options.lookup)}, request.view, request.params, params);
+                          {&cube, from_name<CubeMethod>(options.lookup)}, request.view, request.params, params);
 }
 
 }  // namespace

@@ -3,6 +3,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "grid/field/resolve.h"
+
 namespace ivory {
 
 StabilityWorld::StabilityWorld(Scene&& described) : scene(std::make_unique<Scene>(std::move(described))) {
@@ -78,7 +80,7 @@ double mean_share(const StabilityWorld& world, const IrradianceGrid& grid, Guard
 
 IrradianceGrid bake_all_light(const StabilityWorld& world, GridBakeParams params) {
   params.include_direct = true;
-  return finish(bake_grid_sums(*world.intersector, *world.lights, params));
+  return resolve(bake_grid_sums(*world.intersector, *world.lights, params));
 }
 
 double surface_area_m2(const Mesh& mesh) {

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
+#include "grid/env/irradiance.h"
 #include "tools/cli/dynamic_objects.h"
 #include "tracer/core/camera.h"
-#include "tracer/env/irradiance.h"
 #include "tracer/gltf/loader.h"
 #include "tracer/image/file.h"
 #include "tracer/lights/sphere.h"
@@ -215,7 +215,7 @@ std::string add_file(ViewSession& session, const std::string& path, const std::o
       throw;
     }
   }
-  return fmt::format("{}: {}", file_name(path), name(kind));
+  return fmt::format("{}: {}", file_name(path), name_of(kind));
 }
 
 void set_reference(ViewSession& session, const std::string& path, const Imath::V2i& size) {

@@ -5,8 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "grid/env/latlong_map.h"
 #include "tracer/core/sampling.h"
-#include "tracer/env/latlong_map.h"
 
 namespace ivory {
 

@@ -9,17 +9,13 @@
 #include "grid/io/fiv.h"
 #include "grid/io/sh9.h"
 #include "grid/io/sphere_set.h"
-#include "grid/io/vdb/vdb.h"
+#include "tools/cli/vdb_input.h"
 
 namespace ivory {
 
 namespace {
 
-std::string text_of(const Metadata& metadata, const char* key) {
-  const auto found = metadata.find(key);
-  const auto* text = found == metadata.end() ? nullptr : std::get_if<std::string>(&found->second);
-  return text == nullptr ? std::string() : *text;
-}
+std::string text_of(const Metadata& metadata, const char* key) { return find_text(metadata, key).value_or(""); }
 
 float luminance_vector_length(const float* components) {  // [xyz][rgb]
   V3f v;
@@ -73,7 +69,7 @@ std::unique_ptr<GridAsset> upload_grid_asset(const std::string& path, const Irra
       gl::make_texture_3d(path, gl::Format::r16f, grid.frame.size, grid.visible_fraction.data(), gl::Filter::nearest);
   asset->gpu = upload(grid);
   asset->typical_vector_lux = typical_vector(grid);
-  asset->holds_direct = text_of(grid.metadata, "light") == "direct and indirect";
+  asset->holds_direct = grid.light != StoredLight::indirect;
   asset->scene_hash = text_of(grid.metadata, "scene_hash");
   return asset;
 }
@@ -98,7 +94,7 @@ std::unique_ptr<ViewAsset> load_view_asset(const std::string& path, FileKind kin
   asset->kind = kind;
   switch (kind) {
     case FileKind::grid: {
-      const IrradianceGrid grid = read_grid_vdb(path);
+      const IrradianceGrid grid = load_grid_vdb(path);
       asset->grid = upload_grid_asset(path, grid);
       asset->mean_e_lux = mean_irradiance(grid);
       break;

@@ -41,11 +41,11 @@ std::string lacks(const ViewSession& session, ViewMethod method) {
     return "the scene has no spherical light (--sphere-light)";
   if (method == ViewMethod::none || method == ViewMethod::constant) return "";
   const ViewAsset* asset = asset_for(session, method);
-  if (asset == nullptr) return fmt::format("no asset that method {} reads was given", name(method));
+  if (asset == nullptr) return fmt::format("no asset that method {} reads was given", name_of(method));
   if (asset->grid && session.settings.lookup.reconstruction == Reconstruction::paper &&
       asset->grid->gpu.basis != Basis::vectors)
     return fmt::format("--reconstruction paper needs a grid of basis vectors, {} has {}", asset->path,
-                       name(asset->grid->gpu.basis));
+                       name_of(asset->grid->gpu.basis));
   if (method == ViewMethod::fiv && !session.occluders.gpu) return "no FIV table was given";
   return "";
 }
@@ -58,7 +58,7 @@ std::string lacks(const ViewSession& session, DebugView view) {
   const bool six = view == DebugView::vectors || view == DebugView::bracket;
   if (six && session.debug_grid->grid->gpu.basis != Basis::vectors)
     return fmt::format("it needs a grid of basis vectors, {} has {}", session.debug_grid->label(),
-                       name(session.debug_grid->grid->gpu.basis));
+                       name_of(session.debug_grid->grid->gpu.basis));
   return "";
 }
 
@@ -71,10 +71,10 @@ namespace {
 
 // A set that was fitted to an object's file goes where the object goes.
 V3f place_of_spheres(const ViewSession& session, const ViewAsset& asset) {
-  const auto hash = asset.spheres->metadata.find("mesh_hash");
-  if (hash == asset.spheres->metadata.end()) return asset.offset_m;
+  const auto hash = find_text(asset.spheres->metadata, "mesh_hash");
+  if (!hash) return asset.offset_m;
   for (const ViewObject& object : session.world.objects) {
-    if (object.moves && hash->second == MetaValue(object.scene->content_hash))
+    if (object.moves && *hash == object.scene->content_hash)
       return asset.offset_m + place(object, session.world.time_s);
   }
   return asset.offset_m;

@@ -46,6 +46,6 @@ int affordable_threads(const Scene& scene, const Lights& lights, const GridFrame
 
 // By affordable_threads(); the bytes do not depend on them. Throws Error where nothing shines, or where memory would
 // not suffice.
-GridSums bake_grid_sums(const Intersector& intersector, const Lights& lights, const GridBakeParams& params);
+GridAccumulator bake_grid_sums(const Intersector& intersector, const Lights& lights, const GridBakeParams& params);
 
 }  // namespace ivory
