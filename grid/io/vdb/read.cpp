@@ -70,8 +70,7 @@ struct OpenFile {
     if (found == kind) return;
     if (found == vdb_accumulator_kind)
       throw Error(path, "holds the photon sums of a partial bake", "finish it first: ivory merge PART... -o OUT.vdb");
-    if (found == vdb_grid_kind)
-      throw Error(path, "is a finished grid", "give the parts of a partial bake");
+    if (found == vdb_grid_kind) throw Error(path, "is a finished grid", "give the parts of a partial bake");
     throw missing(file_prefix + "kind");
   }
 

@@ -113,8 +113,7 @@ const std::map<std::string, std::string> refused_valid_files{
 
 TEST(GltfInvalid, EveryFileOfTheValidatorEndsInOneLineOrAConsistentScene) {
   const std::string folder = sample_data();
-  if (folder.empty() || !std::filesystem::exists(folder + "/invalid/EXPECTED.tsv"))
-    GTEST_SKIP() << no_sample_data;
+  if (folder.empty() || !std::filesystem::exists(folder + "/invalid/EXPECTED.tsv")) GTEST_SKIP() << no_sample_data;
   const std::vector<Row> rows = read_rows(folder + "/invalid/EXPECTED.tsv");
   ASSERT_EQ(rows.size(), 372U);
   int thrown = 0;
