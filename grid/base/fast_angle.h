@@ -1,5 +1,5 @@
-// The angle of a vector in the plane, from arithmetic alone: what shaders and C++ compute alike. GLSL's own
-// atan may be off by 4096 units in the last place, and the C library's takes most of the time of a sum of angles.
+// The angle of a vector in the plane, from arithmetic alone: what shaders and C++ compute alike. GLSL's own atan may be
+// off by 4096 units in the last place, and the C library's takes most of the time of a sum of angles.
 #pragma once
 
 #include <cmath>

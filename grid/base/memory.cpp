@@ -41,8 +41,8 @@ double share(double quota_us, double period_us) {
   return std::isfinite(quota_us) && std::isfinite(period_us) && period_us > 0 ? quota_us / period_us : unlimited;
 }
 
-// The least of limit(folder) over the group's folder and those above it. A group whose folder is not there, as
-// seen from inside a container that has a tree of its own, leaves those above.
+// The least of limit(folder) over the group's folder and those above it. A group whose folder is not there, as seen
+// from inside a container that has a tree of its own, leaves those above.
 double least_above(const fs::path& mount, const std::string& group,
                    const std::function<double(const fs::path&)>& limit) {
   double least = limit(mount);

@@ -1,8 +1,7 @@
 // The vocabulary types of ivory. Imath is the one third party allowed in shared headers.
 //
-// Conventions (never varied by a flag): right-handed world, +Y up, metres; linear Rec.709 colour;
-// w points from the receiver towards the light; E is irradiance in lux, never divided by pi;
-// L is radiance in nits (cd/m^2).
+// Conventions (never varied by a flag): right-handed world, +Y up, metres; linear Rec.709 colour; w points from the
+// receiver towards the light; E is irradiance in lux, never divided by pi; L is radiance in nits (cd/m^2).
 #pragma once
 
 #include <cstdint>

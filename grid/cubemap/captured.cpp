@@ -4,27 +4,20 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <string>
-#include <utility>
 
-#include "grid/base/error.h"
-
-// Over a triangle of the shell inverse depth is linear in the point q of the cube: with the barycentric
-// weights b_k of q among the triangle's corners, v(q) = sum b_k v_k. Fitting the shell to the captured
-// inverse distances 1/d = v / |q| is therefore a linear problem,
+// Over a triangle of the shell inverse depth is linear in the point q of the cube: with the barycentric weights b_k of
+// q among the triangle's corners, v(q) = sum b_k v_k. Fitting the shell to the captured inverse distances 1/d = v / |q|
+// is therefore a linear problem,
 //
 //   minimise  sum over captured texels of  dw (sum b_k v_k - |q| / d)^2 / |q|^2,
 //
-// with the solid angle dw as weight. Errors of 1/d are what a receiver near the surface suffers from, and
-// what the sky, 1/d = 0, has a finite one of. Each v_k touches its neighbours alone, and the matrix is that
-// of a mesh's masses: conjugate gradients converge in a few dozen steps at any size.
+// with the solid angle dw as weight. Errors of 1/d are what a receiver near the surface suffers from, and what the sky,
+// 1/d = 0, has a finite one of. Each v_k touches its neighbours alone, and the matrix is that of a mesh's masses:
+// conjugate gradients converge in a few dozen steps at any size.
 
 namespace ivory {
 
 namespace {
-
-constexpr std::array<std::pair<std::string_view, ShellFit>, 3> fit_names{
-    {{"fitted", ShellFit::fitted}, {"corners", ShellFit::corners}, {"averaged", ShellFit::averaged}}};
 
 // A triangle's part of the normal equations: entries (0,0), (0,1), (0,2), (1,1), (1,2), (2,2).
 struct Triangle {
@@ -197,20 +190,6 @@ std::vector<double> fitted(const CapturedCube& captured, const Layout& layout) {
 }
 
 }  // namespace
-
-std::string_view name(ShellFit fit) {
-  for (const auto& [text, value] : fit_names) {
-    if (value == fit) return text;
-  }
-  return "";
-}
-
-ShellFit shell_fit_from_name(std::string_view text) {
-  for (const auto& [known, value] : fit_names) {
-    if (known == text) return value;
-  }
-  throw UsageError("unknown way to place a shell: '" + std::string(text) + "'");
-}
 
 LocalizedCube localize(const CapturedCube& captured, int size, ShellFit fit) {
   const int fine = captured.radiance.size;

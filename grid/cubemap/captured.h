@@ -1,9 +1,9 @@
 // From a finely captured cube map to a localized one of a few texels.
 #pragma once
 
-#include <string_view>
 #include <vector>
 
+#include "grid/base/names.h"
 #include "grid/cubemap/localized.h"
 
 namespace ivory {
@@ -21,10 +21,14 @@ enum class ShellFit {
   corners,   // at the distance captured right there
   averaged,  // as published: mean distance of the texels that share the vertex
 };
-std::string_view name(ShellFit fit);
-ShellFit shell_fit_from_name(std::string_view name);
+template <>
+inline constexpr auto name_table<ShellFit> = make_name_table<ShellFit>("way to place a shell",
+                                                                       {{ShellFit::fitted, "fitted"},
+                                                                        {ShellFit::corners, "corners"},
+                                                                        {ShellFit::averaged, "averaged"}});
 
-// Texels hold the mean radiance over their solid angle. `size` must divide the captured size.
+// A cube of `size` texels along an edge, which must divide the captured size; texels hold the mean radiance over their
+// solid angle, nits.
 LocalizedCube localize(const CapturedCube& captured, int size, ShellFit fit = ShellFit::fitted);
 
 }  // namespace ivory

@@ -142,8 +142,8 @@ inline float edge_weight(const V3f& a, float a_over, const V3f& b, float b_over,
   const float g = angle_over_sine(std::abs(cosine));
   const float term = (cosine >= 0 ? g : pi * inverse_sine - g) * cz;
 
-  // On which side of u it crosses horizon and meridian: for both by the determinant where it crosses both, else by
-  // what its ends agree upon, also where the determinant is 0.
+  // On which side of u it crosses horizon and meridian: for both by the determinant where it crosses both, else by what
+  // its ends agree upon, also where the determinant is 0.
   const bool over_horizon = a_above != b_above;
   const bool over_meridian = (a.y >= 0) != (b.y >= 0);
   const float from = a.y >= 0 ? 1.0F : -1.0F;

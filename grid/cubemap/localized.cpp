@@ -6,41 +6,16 @@
 #include <map>
 #include <string>
 
-#include "grid/base/error.h"
 #include "grid/base/fast_angle.h"
 
 // From a receiver at P relative to the origin, the shell's vertex q / v lies in direction
 //
 //   r = q / v - P  ~  q - v P,
 //
-// which needs no division and, for the sky, v = 0, is q: near surfaces and sky are one case. Scaling r
-// by a positive number changes none of what follows.
+// which needs no division and, for the sky, v = 0, is q: near surfaces and sky are one case. Scaling r by a positive
+// number changes none of what follows.
 
 namespace ivory {
-
-namespace {
-
-constexpr std::array<std::pair<std::string_view, CubeMethod>, 4> method_names{
-    {{"convolved", CubeMethod::convolved},
-     {"point", CubeMethod::point},
-     {"polygon", CubeMethod::polygon},
-     {"polygon_paper", CubeMethod::polygon_paper}}};
-
-}  // namespace
-
-std::string_view name(CubeMethod method) {
-  for (const auto& [text, value] : method_names) {
-    if (value == method) return text;
-  }
-  return "";
-}
-
-CubeMethod cube_method_from_name(std::string_view text) {
-  for (const auto& [known, value] : method_names) {
-    if (known == text) return value;
-  }
-  throw UsageError("unknown way to read a cube map: '" + std::string(text) + "'");
-}
 
 namespace {
 
@@ -70,10 +45,9 @@ Corner see_corner(float s, float t, float v, const Receiver& receiver) {
   return {r, r.dot(receiver.n)};
 }
 
-// Angle between a and b times the cosine between n and the normal of the plane through both: one term of
-// Lambert's sum (eq. 1 of the paper, without its 1/2). atan2 keeps its accuracy near 0 and pi, where acos of a
-// rounded dot product loses half the digits; an edge without length, or through the receiver, has no
-// normal and counts 0.
+// Angle between a and b times the cosine between n and the normal of the plane through both: one term of Lambert's sum
+// (eq. 1 of the paper, without its 1/2). atan2 keeps its accuracy near 0 and pi, where acos of a rounded dot product
+// loses half the digits; an edge without length, or through the receiver, has no normal and counts 0.
 float edge_term(const V3f& a, const V3f& b, const V3f& n) {
   const V3f c = a.cross(b);
   const float sine = std::sqrt(c.dot(c));
@@ -92,8 +66,8 @@ float edge_term(const Corner& a, const Corner& b, const V3f& n, bool cut) {
   return a.h >= 0 ? edge_term(a.r, x, n) : edge_term(x, b.r, n);
 }
 
-// A triangle cut at the horizon gains an edge within it, from where its outline sinks to where it rises again.
-// Its term is the angle between the two, signed about n.
+// A triangle cut at the horizon gains an edge within it, from where its outline sinks to where it rises again. Its term
+// is the angle between the two, signed about n.
 float horizon_term(const Corner& a, const Corner& b, const Corner& c, const V3f& n) {
   V3f sinks(0, 0, 0);
   V3f rises(0, 0, 0);
@@ -108,11 +82,11 @@ float horizon_term(const Corner& a, const Corner& b, const Corner& c, const V3f&
 
 // Calls add(texel, form factor times pi) for all texels of a face.
 //
-// A texel is the triangles 00-10-11 and 00-11-01, counter-clockwise from inside. Both carry the same radiance, so
-// that their common edge, run through once in each direction, cancels and is left out; and a texel's right edge
-// is the left one of the next, the other way round. A triangle seen from behind, where the shell folds
-// over itself as seen from p, counts negative: it stands between p and the part of the shell that it covers, and
-// takes that part's light away. This is what makes all texels together cover each direction exactly once.
+// A texel is the triangles 00-10-11 and 00-11-01, counter-clockwise from inside. Both carry the same radiance, so that
+// their common edge, run through once in each direction, cancels and is left out; and a texel's right edge is the left
+// one of the next, the other way round. A triangle seen from behind, where the shell folds over itself as seen from p,
+// counts negative: it stands between p and the part of the shell that it covers, and takes that part's light away. This
+// is what makes all texels together cover each direction exactly once.
 template <typename Add>
 void add_polygons(const LocalizedCube& cube, int face, const Receiver& receiver, bool cut, const Add& add) {
   const int size = cube.radiance.size;
@@ -141,10 +115,10 @@ void add_polygons(const LocalizedCube& cube, int face, const Receiver& receiver,
   }
 }
 
-// With the texel's centre in direction r and its sides r_u, r_v, the patch covers the solid angle
-// det(r, r_u, r_v) / |r|^3 as seen from p: the area times cosine over distance squared of the point-to-point form
-// factor, written without dividing by v. Nearer than a ten-thousandth of its size the patch counts as
-// that far away, which keeps the answer finite but not small.
+// With the texel's centre in direction r and its sides r_u, r_v, the patch covers the solid angle det(r, r_u, r_v) /
+// |r|^3 as seen from p: the area times cosine over distance squared of the point-to-point form factor, written without
+// dividing by v. Nearer than a ten-thousandth of its size the patch counts as that far away, which keeps the answer
+// finite but not small.
 float point_texel(float s, float t, float step, const TexelCorners& v, const Receiver& receiver) {
   const auto see = [&](float right, float down, float inverse_depth) {
     return V3f(s + right, t + down, 1) - receiver.p * inverse_depth;

@@ -1,27 +1,27 @@
-// Localized cube maps: a few large texels of radiance around a reference point, each with the distances of its
-// four corners, so that the light at points beside the reference point is that of the surfaces, not of a
-// far environment (Umenhoffer and Szirmay-Kalos: Robust Diffuse Final Gathering on the GPU, WSCG 2007).
+// Localized cube maps: a few large texels of radiance around a reference point, each with the distances of its four
+// corners, so that the light at points beside the reference point is that of the surfaces, not of a far environment
+// (Umenhoffer and Szirmay-Kalos: Robust Diffuse Final Gathering on the GPU, WSCG 2007).
 //
-// The corners of all texels, at their distances, are the vertices of a closed shell of triangles around the
-// reference point. A texel's radiance leaves its two triangles evenly, in all directions.
+// The corners of all texels, at their distances, are the vertices of a closed shell of triangles around the reference
+// point. A texel's radiance leaves its two triangles evenly, in all directions.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "grid/base/metadata.h"
+#include "grid/base/names.h"
 #include "grid/base/types.h"
 #include "grid/env/cube_map.h"
 
 namespace ivory {
 
-// A corner is a point q of the cube's surface, |q|_max = 1, and the shell's vertex there is
-// origin + q / inverse_depth: inverse_depth is 1 / the largest coordinate of the vertex relative to the origin,
-// in 1/m, and 0 for the sky. It is linear in q over any plane, which distances are not. Along seams
-// both faces have the same q, so that one number serves both.
+// A corner is a point q of the cube's surface, |q|_max = 1, and the shell's vertex there is origin + q / inverse_depth:
+// inverse_depth is 1 / the largest coordinate of the vertex relative to the origin, in 1/m, and 0 for the sky. It is
+// linear in q over any plane, which distances are not. Along seams both faces have the same q, so that one number
+// serves both.
 using TexelCorners = std::array<float, 4>;  // (u, v) = (0,0), (1,0), (0,1), (1,1): right, then down in the face
 
 struct LocalizedCube {
@@ -43,23 +43,24 @@ enum class CubeMethod {
   polygon,        // Lambert's formula for polygons cut at the receiver's horizon
   polygon_paper,  // the same, not cut: a texel whose sum is negative counts as 0
 };
+template <>
+inline constexpr auto name_table<CubeMethod> =
+    make_name_table<CubeMethod>("way to read a cube map", {{CubeMethod::polygon, "polygon"},
+                                                           {CubeMethod::polygon_paper, "polygon_paper"},
+                                                           {CubeMethod::point, "point"},
+                                                           {CubeMethod::convolved, "convolved"}});
 
-// The names of the command line and of files. from_name throws UsageError for an unknown one.
-std::string_view name(CubeMethod method);
-CubeMethod cube_method_from_name(std::string_view name);
-
-// E in lux at p (world, m) for unit normal n. Nothing shadows a texel: neither the receiver nor another texel.
-// Never negative and always finite. A point outside of the shell, or within a thousandth of it, reads the
-// light of the point on its line to the origin that lies a thousandth inside; a point that is not finite
-// reads the origin's. By `polygon` and `convolved` E is at most pi times the greatest radiance, and exactly
-// pi L inside a shell of constant radiance L.
+// E in lux at p (world, m) for unit normal n. Nothing shadows a texel: neither the receiver nor another texel. Never
+// negative and always finite. A point outside of the shell, or within a thousandth of it, reads the light of the point
+// on its line to the origin that lies a thousandth inside; a point that is not finite reads the origin's. By `polygon`
+// and `convolved` E is at most pi times the greatest radiance, and exactly pi L inside a shell of constant radiance L.
 Rgb irradiance(const LocalizedCube& cube, CubeMethod method, const V3f& p, const V3f& n);
 
 // `offset` = p - origin, brought inside the shell as irradiance() does.
 V3f inside_shell(const LocalizedCube& cube, const V3f& offset);
 
-// The vertices of the shell: for each texel and each of its four corners the index of its vertex, from 0 to
-// 6 size^2 + 1, the same for all texels that meet there.
+// The vertices of the shell: for each texel and each of its four corners the index of its vertex, from 0 to 6 size^2 +
+// 1, the same for all texels that meet there.
 std::vector<std::uint32_t> corner_vertices(int size);
 
 // What is wrong with a cube map, empty for nothing: sizes, ranges, corners that neighbours disagree about.

@@ -4,23 +4,22 @@
 #include <cassert>
 #include <cmath>
 
-// A meridian at azimuth a runs through a sequence of cube texels. With mu = sin(latitude), so that
-// dw = dmu da, and
+// A meridian at azimuth a runs through a sequence of cube texels. With mu = sin(latitude), so that dw = dmu da, and
 //
 //   P(a, mu) = integral of L from mu to 1 along the meridian,
 //
-// a texel entered at mu_1 and left at mu_0 receives P(a, mu_0) - P(a, mu_1); integrated over a, each edge of
-// the cube's raster contributes J = integral of P(a, mu(a)) da with a plus sign to the texel north of it and
-// with a minus sign to the one south of it. On the bottom face the same from the other pole, Q = integral
-// from -1 to mu, so that P and Q vanish where the face's texels meet at its pole.
+// a texel entered at mu_1 and left at mu_0 receives P(a, mu_0) - P(a, mu_1); integrated over a, each edge of the cube's
+// raster contributes J = integral of P(a, mu(a)) da with a plus sign to the texel north of it and with a minus sign to
+// the one south of it. On the bottom face the same from the other pole, Q = integral from -1 to mu, so that P and Q
+// vanish where the face's texels meet at its pole.
 //
 // Every edge is an arc of a great circle. Measured from the azimuth of its greatest latitude A,
 //
 //   tan(latitude) = tan A cos(psi),   mu = sin(latitude),
 //   integral of mu dpsi = asin(sin A sin psi).
 //
-// Within one column and one row of the lat-long map P is linear in mu, so J is a sum of closed forms over
-// the pieces into which columns and rows cut the arc. Meridians (edges through a pole) have da = 0.
+// Within one column and one row of the lat-long map P is linear in mu, so J is a sum of closed forms over the pieces
+// into which columns and rows cut the arc. Meridians (edges through a pole) have da = 0.
 
 namespace ivory {
 
@@ -50,8 +49,8 @@ class Meridians {
   int width() const { return width_; }
   int height() const { return height_; }
 
-  // Integral of P (or Q, `from_south`) over a piece of an arc within one texel: its extent in azimuth and the
-  // integral of mu over it.
+  // Integral of P (or Q, `from_south`) over a piece of an arc within one texel: its extent in azimuth and the integral
+  // of mu over it.
   V3d piece(int row, int column, double extent, double mu_integral, bool from_south) const {
     const V3d north = above(row, column);
     const V3d here = radiance(row, column);

@@ -59,24 +59,13 @@ V3f cube_texel_direction(int size, int face, int row, int column) {
   return V3f(cube_point(face, s, t).normalized());
 }
 
-std::array<V3f, 4> cube_texel_corners(int size, int face, int row, int column) {
-  const double s0 = cube_edge(size, column);
-  const double s1 = cube_edge(size, column + 1);
-  const double t0 = cube_edge(size, row);
-  const double t1 = cube_edge(size, row + 1);
-  // Normalised from the sum of squares in a fixed order of axes: the same point of a seam gives the same bits
-  // whichever face asks.
-  const auto unit = [face](double s, double t) { return V3f(cube_point(face, s, t).normalized()); };
-  return {unit(s0, t0), unit(s1, t0), unit(s1, t1), unit(s0, t1)};
-}
-
 std::size_t cube_texel(int size, const V3f& w) {
   const CubePosition p = cube_position(w);
   return cube_index(size, p.face, texel_at(size, p.t), texel_at(size, p.s));
 }
 
-// The rectangle [0, s] x [0, t] of the plane at distance one covers atan(s t / sqrt(1 + s^2 + t^2)):
-// its mixed derivative is (1 + s^2 + t^2)^(-3/2), the solid angle of an area element there.
+// The rectangle [0, s] x [0, t] of the plane at distance one covers atan(s t / sqrt(1 + s^2 + t^2)): its mixed
+// derivative is (1 + s^2 + t^2)^(-3/2), the solid angle of an area element there.
 double cube_texel_solid_angle(int size, int row, int column) {
   const auto corner = [](double s, double t) { return std::atan2(s * t, std::sqrt(1 + s * s + t * t)); };
   const double s0 = cube_edge(size, column);

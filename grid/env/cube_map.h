@@ -1,5 +1,5 @@
-// Cube maps of directions: six square faces in the order +X, -X, +Y, -Y, +Z, -Z, each as seen from
-// the centre of the cube, never mirrored. Rows run downwards.
+// Cube maps of directions: six square faces in the order +X, -X, +Y, -Y, +Z, -Z, each as seen from the centre of the
+// cube, never mirrored. Rows run downwards.
 //
 //   face   right   down
 //   +X     +Z      -Y
@@ -9,12 +9,12 @@
 //   +Z     -X      -Y
 //   -Z     +X      -Y
 //
-// These are the faces of an OpenEXR file with envmap = cube, which stacks them in that order from top
-// to bottom. Texels are areas here: their edges divide the face evenly, their centres lie half a
-// texel inside (OpenEXR's own sampling functions put the outer texels' centres on the edges).
+// These are the faces of an OpenEXR file with envmap = cube, which stacks them in that order from top to bottom. Texels
+// are areas here: their edges divide the face evenly, their centres lie half a texel inside (OpenEXR's own sampling
+// functions put the outer texels' centres on the edges).
 //
-// An OpenGL cube map shows its faces from outside: the same texels with the columns of +-X and +-Z and the rows of
-// +-Y in reverse.
+// An OpenGL cube map shows its faces from outside: the same texels with the columns of +-X and +-Z and the rows of +-Y
+// in reverse.
 #pragma once
 
 #include <array>
@@ -50,9 +50,8 @@ struct CubePosition {
 // The point of the cube [-1, 1]^3 there (not normalised); s and t in double, for exact texel edges.
 V3d cube_point(int face, double s, double t);
 
-// The face that w leaves through and where; w need not be normalised. On an edge or a corner the
-// X faces come before the Y faces and these before the Z faces, as in OpenEXR. {0, 0, 0} gives the
-// middle of +X.
+// The face that w leaves through and where; w need not be normalised. On an edge or a corner the X faces come before
+// the Y faces and these before the Z faces, as in OpenEXR. {0, 0, 0} gives the middle of +X.
 CubePosition cube_position(const V3f& w);
 
 // s or t of the edge before texel i of `size`: i = 0 .. size gives -1 .. 1, exactly symmetric.
@@ -65,20 +64,15 @@ inline std::size_t cube_index(int size, int face, int row, int column) {
 // Unit direction of a texel's centre.
 V3f cube_texel_direction(int size, int face, int row, int column);
 
-// Unit directions of a texel's corners: top left, top right, bottom right, bottom left, clockwise seen from
-// inside, so that c[i] x c[i + 1] points the texel's way.
-// Neighbours share them exactly, across the seams of faces too.
-std::array<V3f, 4> cube_texel_corners(int size, int face, int row, int column);
-
 // Index of the texel that w falls in.
 std::size_t cube_texel(int size, const V3f& w);
 
 // Solid angle of a texel in steradians; the same for all faces. The 6 size^2 of them sum to 4 pi.
 double cube_texel_solid_angle(int size, int row, int column);
 
-// The texels of a bilinear look-up and their weights, which sum to one. Across an edge the
-// neighbouring face's texels are read; where three faces meet, the fourth texel that a corner lacks
-// is the mean of the other three: what OpenGL does with seamless cube maps.
+// The texels of a bilinear look-up and their weights, which sum to one. Across an edge the neighbouring face's texels
+// are read; where three faces meet, the fourth texel that a corner lacks is the mean of the other three: what OpenGL
+// does with seamless cube maps.
 struct CubeTaps {
   std::array<std::size_t, 4> texel;
   std::array<float, 4> weight;

@@ -4,16 +4,16 @@
 #include <cassert>
 #include <cmath>
 
-// E(n) = integral of L max(0, n.w). Over a cell wholly above the horizon max(0, n.w) = n.w, so the cell gives
-// n.V with V = integral of L w, exactly, however its light is spread. In a cell on the horizon let x = n.w vary
-// within [lo, hi], lo < 0 < hi, with the known mean a = n.V / flux. max(0, x) is convex, so by Jensen's
-// inequality from below and by its chord from above
+// E(n) = integral of L max(0, n.w). Over a cell wholly above the horizon max(0, n.w) = n.w, so the cell gives n.V with
+// V = integral of L w, exactly, however its light is spread. In a cell on the horizon let x = n.w vary within [lo, hi],
+// lo < 0 < hi, with the known mean a = n.V / flux. max(0, x) is convex, so by Jensen's inequality from below and by its
+// chord from above
 //
 //   flux max(0, a)  <=  integral of L max(0, x)  <=  flux (a - lo) hi / (hi - lo).
 //
-// Light spread evenly over a square cell has the variance of x spread evenly over a mean +- u with u half the
-// square's edge, which makes the integral flux (a + u)^2 / (4 u) for |a| < u: the estimate, held between the two
-// bounds. Their distance from it is the error, for a whole cell at most flux times half its half-width.
+// Light spread evenly over a square cell has the variance of x spread evenly over a mean +- u with u half the square's
+// edge, which makes the integral flux (a + u)^2 / (4 u) for |a| < u: the estimate, held between the two bounds. Their
+// distance from it is the error, for a whole cell at most flux times half its half-width.
 
 namespace ivory {
 

@@ -1,5 +1,5 @@
-// Irradiance of a distant environment for any normal, to a known error, without visiting every texel: a
-// hierarchy of the light's moments over the faces of a cube.
+// Irradiance of a distant environment for any normal, to a known error, without visiting every texel: a hierarchy of
+// the light's moments over the faces of a cube.
 #pragma once
 
 #include <array>
@@ -12,12 +12,12 @@ namespace ivory {
 
 class IrradianceTree {
  public:
-  // Texels of a map of any layout are dropped by their mean directions into the cells of a cube map with
-  // `size` cells along an edge, a power of two.
+  // Texels of a map of any layout are dropped by their mean directions into the cells of a cube map with `size` cells
+  // along an edge, a power of two.
   explicit IrradianceTree(int size);
 
-  // One texel: its radiance, solid angle (sr), integral of w over it, and how far from its mean direction it
-  // reaches at most. Not to be called by several threads at once.
+  // One texel: its radiance, solid angle (sr), integral of w over it, and how far from its mean direction it reaches at
+  // most. Not to be called by several threads at once.
   void add(const Rgb& radiance, double solid_angle, const V3d& first, double half_angle_rad);
   // Once, after the last texel: merges cells four at a time up to the faces.
   void finish();
@@ -26,9 +26,8 @@ class IrradianceTree {
     V3d e{0, 0, 0};      // lux, per channel
     V3d error{0, 0, 0};  // |e - exact| is at most this, for maps constant over each texel
   };
-  // E(n), n a unit vector. Cells wholly above or below the horizon count exactly; one that the horizon may
-  // cut is opened until what it can be wrong by is below `tolerance` times the light of the whole sphere, or
-  // it is a leaf.
+  // E(n), n a unit vector. Cells wholly above or below the horizon count exactly; one that the horizon may cut is
+  // opened until what it can be wrong by is below `tolerance` times the light of the whole sphere, or it is a leaf.
   Estimate irradiance(const V3d& n, double tolerance = 1e-6) const;
 
   // Integral of L over the sphere, nits sr.

@@ -3,27 +3,24 @@
 #include <array>
 #include <cassert>
 
-#include "grid/base/error.h"
-
 namespace ivory {
 
 namespace {
 
 struct Shape {
   EnvironmentLayout layout;
-  std::string_view name;
   int across;  // width : height
   int down;
   std::string_view shape;
 };
 
 constexpr std::array<Shape, 6> shapes{{
-    {EnvironmentLayout::latlong, "latlong", 2, 1, "twice as wide as high"},
-    {EnvironmentLayout::angular, "angular", 1, 1, "as wide as high"},
-    {EnvironmentLayout::vertical_cross, "vertical_cross", 3, 4, "3 faces wide and 4 high"},
-    {EnvironmentLayout::horizontal_cross, "horizontal_cross", 4, 3, "4 faces wide and 3 high"},
-    {EnvironmentLayout::cube, "cube", 1, 6, "1 face wide and 6 high"},
-    {EnvironmentLayout::cube_row, "cube_row", 6, 1, "6 faces wide and 1 high"},
+    {EnvironmentLayout::latlong, 2, 1, "twice as wide as high"},
+    {EnvironmentLayout::angular, 1, 1, "as wide as high"},
+    {EnvironmentLayout::vertical_cross, 3, 4, "3 faces wide and 4 high"},
+    {EnvironmentLayout::horizontal_cross, 4, 3, "4 faces wide and 3 high"},
+    {EnvironmentLayout::cube, 1, 6, "1 face wide and 6 high"},
+    {EnvironmentLayout::cube_row, 6, 1, "6 faces wide and 1 high"},
 }};
 
 const Shape& shape_of(EnvironmentLayout layout) {
@@ -33,9 +30,9 @@ const Shape& shape_of(EnvironmentLayout layout) {
   return shapes[0];
 }
 
-// Where a face lies in the picture, in faces, and whether it stands on its head there. Unfolding the cube
-// around +Z lays +Y, -Y (and in the vertical cross -Z) with the +Z face's -X to the right, against these faces'
-// own right (+X): half a turn.
+// Where a face lies in the picture, in faces, and whether it stands on its head there. Unfolding the cube around +Z
+// lays +Y, -Y (and in the vertical cross -Z) with the +Z face's -X to the right, against these faces' own right (+X):
+// half a turn.
 struct Place {
   int column;
   int row;
@@ -60,21 +57,6 @@ Place place(EnvironmentLayout layout, int face) {
 }
 
 }  // namespace
-
-std::string_view name(EnvironmentLayout layout) { return shape_of(layout).name; }
-
-EnvironmentLayout layout_from_name(std::string_view text) {
-  for (const Shape& shape : shapes) {
-    if (shape.name == text) return shape.layout;
-  }
-  throw UsageError("unknown layout '" + std::string(text) + "'; one of " + layout_names());
-}
-
-std::string layout_names() {
-  std::string names;
-  for (const Shape& shape : shapes) names += (names.empty() ? "" : ", ") + std::string(shape.name);
-  return names;
-}
 
 bool fits(EnvironmentLayout layout, int width, int height) {
   const Shape& shape = shape_of(layout);

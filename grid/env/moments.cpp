@@ -12,16 +12,15 @@ constexpr double pi_d = 3.14159265358979323846;
 
 // --- lat-long ---------------------------------------------------------------------------------------
 //
-// With polar angle p from +Y and azimuth a, w = (-sin p sin a, cos p, sin p cos a) and dw = sin p dp da. Every
-// product of up to two components splits into a factor of p, the same along a row, and one of
-// 1, cos a, sin a, cos 2a, sin 2a. So a row needs only five sums S_k = sum of L f_k(a) over its texels (three
-// colours each); integrating f_k exactly over a texel's width d multiplies its value at the centre by
-// 2 sin(k d/2) / k.
+// With polar angle p from +Y and azimuth a, w = (-sin p sin a, cos p, sin p cos a) and dw = sin p dp da. Every product
+// of up to two components splits into a factor of p, the same along a row, and one of 1, cos a, sin a, cos 2a, sin 2a.
+// So a row needs only five sums S_k = sum of L f_k(a) over its texels (three colours each); integrating f_k exactly
+// over a texel's width d multiplies its value at the centre by 2 sin(k d/2) / k.
 //
-// The loop runs along the row's floats r g b r g b ..., twelve (four texels) at a time, against a table of
-// cos and sin for offsets within a block of columns that stays in the first cache; the block's own azimuth
-// is turned in afterwards by the addition theorems. Where the width allows, four quarters of the row run side
-// by side: with azimuths x, x + 90, x + 180, x + 270 degrees their values L_0 .. L_3 enter as
+// The loop runs along the row's floats r g b r g b ..., twelve (four texels) at a time, against a table of cos and sin
+// for offsets within a block of columns that stays in the first cache; the block's own azimuth is turned in afterwards
+// by the addition theorems. Where the width allows, four quarters of the row run side by side: with azimuths x, x + 90,
+// x + 180, x + 270 degrees their values L_0 .. L_3 enter as
 //   cos x (L_0 - L_2) - sin x (L_1 - L_3),   sin x (L_0 - L_2) + cos x (L_1 - L_3),
 //   cos 2x (L_0 - L_1 + L_2 - L_3),          sin 2x (L_0 - L_1 + L_2 - L_3),
 // half the arithmetic and a quarter of the table's reads: then memory sets the pace.
@@ -49,8 +48,8 @@ BlockTable make_block_table(int width) {
 
 using RowSums = std::array<V3d, 5>;
 
-// Sums over a block of `columns` texels, or of four blocks a quarter of the row apart, by azimuth from the
-// (first) block's beginning.
+// Sums over a block of `columns` texels, or of four blocks a quarter of the row apart, by azimuth from the (first)
+// block's beginning.
 template <int blocks>
 RowSums block_sums(const std::array<const float*, blocks>& values, int columns, const BlockTable& table) {
   static_assert(blocks == 1 || blocks == 4);
@@ -112,9 +111,9 @@ struct LocalMoments {
   }
 };
 
-// In the face's axes x = right, y = down, z = forward. dw = ds dt / (1 + s^2 + t^2)^(3/2). Three Gauss points
-// leave a relative error of order (h/2)^6 / 2000 times derivatives of order 6! / pole distance^6 ~ h^6 / 200:
-// below 1e-9 for h = 1/32, to which larger texels are divided.
+// In the face's axes x = right, y = down, z = forward. dw = ds dt / (1 + s^2 + t^2)^(3/2). Three Gauss points leave a
+// relative error of order (h/2)^6 / 2000 times derivatives of order 6! / pole distance^6 ~ h^6 / 200: below 1e-9 for h
+// = 1/32, to which larger texels are divided.
 LocalMoments cube_local_moments(int size, int row, int column) {
   constexpr std::array<double, 3> point{0.11270166537925831, 0.5, 0.88729833462074169};
   constexpr std::array<double, 3> weight{5.0 / 18, 8.0 / 18, 5.0 / 18};

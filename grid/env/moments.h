@@ -1,5 +1,5 @@
-// Integrals of radiance times 1, w and w w over the sphere: all that spherical harmonics to band 2 hold.
-// Each map is taken as piecewise constant and integrated texel by texel, in double.
+// Integrals of radiance times 1, w and w w over the sphere: all that spherical harmonics to band 2 hold. Each map is
+// taken as piecewise constant and integrated texel by texel, in double.
 #pragma once
 
 #include <array>
@@ -21,8 +21,8 @@ struct RadianceMoments {
   RadianceMoments& operator+=(const RadianceMoments& other);
 };
 
-// The rows row_begin .. row_end - 1 of a map. Sums over disjoint ranges add up to the whole; each range's own
-// sum runs in a fixed order.
+// The rows row_begin .. row_end - 1 of a map. Sums over disjoint ranges add up to the whole; each range's own sum runs
+// in a fixed order.
 //
 // Lat-long: exact (closed form); one pass at the pace of memory.
 RadianceMoments latlong_moments(std::span<const Rgb> texels, int width, int height, int row_begin, int row_end);

@@ -2,9 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
-
-#include "grid/base/error.h"
 
 namespace ivory {
 
@@ -59,9 +56,9 @@ void diagonalise(double a[3][3], double v[3][3]) {
   }
 }
 
-// min of n A n + 2 b n + c over the unit sphere. In A's own axes a Lagrange multiplier m gives
-// n_i = -b_i / (a_i - m); the minimum is where m <= min a_i and |n| = 1. |n| grows with m, so bisection finds
-// it; where b has no part along the least axis and |n| stays below one, the rest lies along that axis.
+// min of n A n + 2 b n + c over the unit sphere. In A's own axes a Lagrange multiplier m gives n_i = -b_i / (a_i - m);
+// the minimum is where m <= min a_i and |n| = 1. |n| grows with m, so bisection finds it; where b has no part along the
+// least axis and |n| stays below one, the rest lies along that axis.
 double least_on_sphere(double a[3][3], const double b[3], double c) {
   double v[3][3];
   diagonalise(a, v);
@@ -196,8 +193,8 @@ Sh9Window hann_window(double width) {
 
 // The polynomials that are nowhere negative form a convex set, and for light that is nowhere negative it holds band 0
 // with any part of band 2 (one directional light gives at least 1/4 - 5/32): so for each factor of band 2 the good
-// factors of band 1 reach from 0 up to a largest one, which bisection finds. The change in mean square is
-// (1 - band1)^2 P_1 + (1 - band2)^2 P_2 with P_l the power of band l; what is left is a search along one line.
+// factors of band 1 reach from 0 up to a largest one, which bisection finds. The change in mean square is (1 - band1)^2
+// P_1 + (1 - band2)^2 P_2 with P_l the power of band l; what is left is a search along one line.
 Sh9Window least_window(const Sh9& sh) {
   const auto fits = [&](const Sh9Window& window) {
     const V3d least = minimum_irradiance(windowed(sh, window));
@@ -243,29 +240,6 @@ Sh9Window least_window(const Sh9& sh) {
     }
   }
   return best;
-}
-
-std::string_view name(Sh9Dialect dialect) {
-  switch (dialect) {
-    case Sh9Dialect::ivory:
-      return "ivory";
-    case Sh9Dialect::filament:
-      return "filament";
-    case Sh9Dialect::three_js:
-      return "three.js";
-    case Sh9Dialect::ext_lights_image_based:
-      return "EXT_lights_image_based";
-  }
-  return "";
-}
-
-Sh9Dialect sh9_dialect_from_name(std::string_view text) {
-  for (const Sh9Dialect dialect :
-       {Sh9Dialect::ivory, Sh9Dialect::filament, Sh9Dialect::three_js, Sh9Dialect::ext_lights_image_based}) {
-    if (name(dialect) == text) return dialect;
-  }
-  throw UsageError("unknown dialect '" + std::string(text) +
-                   "'; one of ivory, filament, three.js, EXT_lights_image_based");
 }
 
 std::array<V3d, 9> in_dialect(const Sh9& sh, Sh9Dialect dialect) {

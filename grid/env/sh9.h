@@ -1,13 +1,13 @@
-// Irradiance environment maps in nine spherical harmonics: Ramamoorthi & Hanrahan, "An Efficient
-// Representation for Irradiance Environment Maps", 2001 (equation numbers below are theirs).
+// Irradiance environment maps in nine spherical harmonics: Ramamoorthi & Hanrahan, "An Efficient Representation for
+// Irradiance Environment Maps", 2001 (equation numbers below are theirs).
 //
-// Real, all-positive basis (eq. 3), raw radiance projection (eq. 10), in the order
-// L00, L1-1 (y), L10 (z), L11 (x), L2-2 (xy), L2-1 (yz), L20 (3 z^2 - 1), L21 (xz), L22 (x^2 - y^2).
+// Real, all-positive basis (eq. 3), raw radiance projection (eq. 10), in the order L00, L1-1 (y), L10 (z), L11 (x),
+// L2-2 (xy), L2-1 (yz), L20 (3 z^2 - 1), L21 (xz), L22 (x^2 - y^2).
 #pragma once
 
 #include <array>
-#include <string_view>
 
+#include "grid/base/names.h"
 #include "grid/base/types.h"
 #include "grid/env/moments.h"
 
@@ -39,8 +39,8 @@ Rgb irradiance(const Sh9MatricesF& matrices, const V3f& n);
 // The least value of the polynomial over all normals, per channel: exact, to rounding.
 V3d minimum_irradiance(const Sh9& sh);
 
-// Factors of bands 1 and 2, against the lobes that a few bands leave around concentrated light, where the
-// polynomial falls below zero. Band 0, the total light, stays.
+// Factors of bands 1 and 2, against the lobes that a few bands leave around concentrated light, where the polynomial
+// falls below zero. Band 0, the total light, stays.
 struct Sh9Window {
   double band1 = 1;
   double band2 = 1;
@@ -50,8 +50,8 @@ Sh9 windowed(const Sh9& sh, const Sh9Window& window);
 // The Hann window of `width` bands, 2 or more: (1 + cos(pi l / width)) / 2.
 Sh9Window hann_window(double width);
 
-// The factors that change E(n) least, in mean square over all normals (channels by their own mean E), of those
-// after which no channel is negative for any normal. Both are 1 where nothing is negative to begin with.
+// The factors that change E(n) least, in mean square over all normals (channels by their own mean E), of those after
+// which no channel is negative for any normal. Both are 1 where nothing is negative to begin with.
 Sh9Window least_window(const Sh9& sh);
 
 // --- what other engines read -----------------------------------------------------------------------------
@@ -62,8 +62,12 @@ Sh9Window least_window(const Sh9& sh);
 //                   applies eq. 13
 // EXT_lights_image_based   irradianceCoefficients: E_lm of eq. 4 and 7, E(n) = sum of E_lm Y_lm(n)
 enum class Sh9Dialect { ivory, filament, three_js, ext_lights_image_based };
-std::string_view name(Sh9Dialect dialect);
-Sh9Dialect sh9_dialect_from_name(std::string_view name);  // throws UsageError
+template <>
+inline constexpr auto name_table<Sh9Dialect> =
+    make_name_table<Sh9Dialect>("dialect", {{Sh9Dialect::ivory, "ivory"},
+                                            {Sh9Dialect::filament, "filament"},
+                                            {Sh9Dialect::three_js, "three.js"},
+                                            {Sh9Dialect::ext_lights_image_based, "EXT_lights_image_based"}});
 
 // The nine coefficients that the dialect's reader takes, from ivory's.
 std::array<V3d, 9> in_dialect(const Sh9& sh, Sh9Dialect dialect);

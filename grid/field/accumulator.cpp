@@ -8,31 +8,12 @@
 
 namespace ivory {
 
-std::string_view name(Estimator estimator) {
-  switch (estimator) {
-    case Estimator::track:
-      return "track";
-    case Estimator::face:
-      return "face";
-    case Estimator::face_paper:
-      return "face_paper";
-  }
-  return "";
-}
-
-Estimator estimator_from_name(std::string_view text) {
-  for (const Estimator estimator : {Estimator::track, Estimator::face, Estimator::face_paper}) {
-    if (name(estimator) == text) return estimator;
-  }
-  throw UsageError("unknown estimator '" + std::string(text) + "'; one of track, face, face_paper");
-}
-
 SumLayout sum_layout(Basis basis, Estimator estimator) {
   if (estimator != Estimator::track) {
     // A crossed face serves only the hemispheres around its own axis.
     if (basis != Basis::vectors) {
-      throw UsageError("estimator '" + std::string(name(estimator)) + "' works with basis 'vectors' only, not '" +
-                       std::string(name(basis)) + "'");
+      throw UsageError("estimator '" + std::string(name_of(estimator)) + "' works with basis 'vectors' only, not '" +
+                       std::string(name_of(basis)) + "'");
     }
     return {6, 3};
   }
@@ -42,13 +23,8 @@ SumLayout sum_layout(Basis basis, Estimator estimator) {
 
 namespace {
 
-bool same_frame(const GridFrame& a, const GridFrame& b) {
-  return a.size == b.size && a.origin_m == b.origin_m && a.spacing_m == b.spacing_m &&
-         a.local_to_world == b.local_to_world;
-}
-
 // What keeps two parts from being parts of one bake; empty where nothing does.
-std::string difference(const GridSums& a, const GridSums& b) {
+std::string difference(const GridAccumulator& a, const GridAccumulator& b) {
   for (const auto& [key, value] : a.metadata) {
     const auto found = b.metadata.find(key);
     if (found == b.metadata.end() || found->second != value) return key;
@@ -56,9 +32,10 @@ std::string difference(const GridSums& a, const GridSums& b) {
   for (const auto& entry : b.metadata) {
     if (!a.metadata.contains(entry.first)) return entry.first;
   }
+  if (a.light != b.light) return "light";
   if (a.basis != b.basis) return "basis";
   if (a.estimator != b.estimator) return "estimator";
-  if (!same_frame(a.frame, b.frame)) return "resolution or placement";
+  if (a.frame != b.frame) return "resolution or placement";
   if (a.quantum != b.quantum || a.quantum_squared != b.quantum_squared) return "fixed-point unit";
   // Of a ray along an edge two kinds of CPU may say different things: Embree has code of its own for each.
   if (a.visible_fraction != b.visible_fraction || a.guard != b.guard)
@@ -66,27 +43,27 @@ std::string difference(const GridSums& a, const GridSums& b) {
   return {};
 }
 
-std::string range_text(const GridSums& part) {
+std::string range_text(const GridAccumulator& part) {
   return std::to_string(part.photon_begin) + ":" + std::to_string(part.photon_end);
 }
 
 }  // namespace
 
-GridSums merge(std::vector<GridSums> parts, const std::vector<std::string>& names) {
+GridAccumulator merge(std::vector<GridAccumulator> parts, const std::vector<std::string>& names) {
   if (parts.empty()) throw UsageError("nothing to merge");
   std::vector<std::size_t> order(parts.size());
   std::iota(order.begin(), order.end(), std::size_t(0));
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t a, std::size_t b) { return parts[a].photon_begin < parts[b].photon_begin; });
 
-  GridSums total = std::move(parts[order[0]]);
+  GridAccumulator total = std::move(parts[order[0]]);
   const std::string& first_name = names[order[0]];
   for (std::size_t i = 1; i < order.size(); ++i) {
-    const GridSums& part = parts[order[i]];
+    const GridAccumulator& part = parts[order[i]];
     const std::string& part_name = names[order[i]];
     if (const std::string what = difference(total, part); !what.empty()) {
       throw Error(part_name, what + " differs from that of " + first_name,
-                  "merge parts of one command that differ in --photon-range only");
+                  "merge parts of one bake that differ in their photons only");
     }
     if (part.photon_begin < total.photon_end) {
       throw Error(part_name, "its photons " + range_text(part) + " overlap those of another part",

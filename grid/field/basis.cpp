@@ -26,21 +26,21 @@ Rgb positive(const Rgb& value) { return {std::max(0.0F, value.x), std::max(0.0F,
 
 // --- vectors ------------------------------------------------------------------------------------
 //
-// E(n) = int L max(0, n.w) dw = 1/2 n.F + 1/2 int L |n.w| dw. With F the odd half is exact. The even
-// half asks for |n.w| in terms of what the moments D_i = I_{+i} - I_{-i} = int L sgn(w_i) w dw hold:
+// E(n) = int L max(0, n.w) dw = 1/2 n.F + 1/2 int L |n.w| dw. With F the odd half is exact. The even half asks for
+// |n.w| in terms of what the moments D_i = I_{+i} - I_{-i} = int L sgn(w_i) w dw hold:
 //
 //   |n.w| ~ sum_i a_i |w_i| + sum_{i != j} b_ij sgn(w_i) w_j.
 //
-// Least squares over the sphere. Parity leaves two kinds of blocks in the Gram matrix,
-// p = int w_i^2 = 4 pi/3 on and q = int |w_i w_j| = 8/3 off the diagonal: {|w_x|, |w_y|, |w_z|}, and
-// {sgn(w_i) w_j, sgn(w_j) w_i} for each pair. The right sides follow from
+// Least squares over the sphere. Parity leaves two kinds of blocks in the Gram matrix, p = int w_i^2 = 4 pi/3 on and q
+// = int |w_i w_j| = 8/3 off the diagonal: {|w_x|, |w_y|, |w_z|}, and {sgn(w_i) w_j, sgn(w_j) w_i} for each pair. The
+// right sides follow from
 //
 //   K(a, n) = int |a.w||n.w| dw = 8/3 (sqrt(|a|^2 |n|^2 - (a.n)^2) + (a.n) asin(a.n / |a||n|)):
 //   int |w_i||n.w|       = K(e_i, n)           = 8/3 (sqrt(1 - n_i^2) + n_i asin n_i),
 //   int sgn(w_i) w_j |n.w| = dK/da_j at a = e_i = 8/3 n_j asin n_i.
 //
-// Uniform light is made exact by the constraint sum a_i = 1 (int |w_i| = int |n.w| = 2 pi); by the
-// block's symmetry its Lagrange multiplier adds the same amount to each a_i.
+// Uniform light is made exact by the constraint sum a_i = 1 (int |w_i| = int |n.w| = 2 pi); by the block's symmetry its
+// Lagrange multiplier adds the same amount to each a_i.
 constexpr float gram_p = 4 * pi / 3;
 constexpr float gram_q = 8.0F / 3;
 
@@ -56,8 +56,8 @@ EvenCoefficients even_coefficients(const V3f& n) {
     angle[i] = std::asin(ni);
     rhs[i] = gram_q * (std::sqrt(1 - ni * ni) + ni * angle[i]);
   }
-  // (p - q) I + q 1 1^T has the inverse (I - q/(p + 2q) 1 1^T) / (p - q); the constraint then replaces
-  // the common part by what makes the sum one.
+  // (p - q) I + q 1 1^T has the inverse (I - q/(p + 2q) 1 1^T) / (p - q); the constraint then replaces the common part
+  // by what makes the sum one.
   constexpr float spread = 1 / (gram_p - gram_q);
   const float mean = (rhs[0] + rhs[1] + rhs[2]) / 3;
   EvenCoefficients out{};
@@ -94,8 +94,8 @@ Rgb paper_vectors(const float* m, const V3f& n) {
 Rgb optimal_vectors9(const float* m, const V3f& n) {
   const EvenCoefficients even = even_coefficients(n);
   Rgb sum = dot(n, m) + dot({even.c[0][0], even.c[1][1], even.c[2][2]}, m + 9);
-  // The least-squares coefficient of a symmetric pair is the mean of the two unsymmetric ones: the
-  // pair's block commutes with the swap of its members.
+  // The least-squares coefficient of a symmetric pair is the mean of the two unsymmetric ones: the pair's block
+  // commutes with the swap of its members.
   const V3f pairs(even.c[0][1] + even.c[1][0], even.c[0][2] + even.c[2][0], even.c[1][2] + even.c[2][1]);
   sum += dot(pairs * 0.5F, m + 18);
   const Rgb upper = dot(n, m) + dot({std::abs(n.x), std::abs(n.y), std::abs(n.z)}, m + 9);
@@ -139,43 +139,7 @@ Rgb irradiance_ambient_cube(const float* m, const V3f& n) {
   return sum;
 }
 
-template <typename Enum, std::size_t N>
-Enum from_name(std::string_view text, const std::array<Enum, N>& all, const char* what) {
-  std::string known;
-  for (const Enum value : all) {
-    if (name(value) == text) return value;
-    known += (known.empty() ? "" : ", ") + std::string(name(value));
-  }
-  throw UsageError(std::string("unknown ") + what + " '" + std::string(text) + "'; one of " + known);
-}
-
 }  // namespace
-
-std::string_view name(Basis basis) {
-  switch (basis) {
-    case Basis::vectors:
-      return "vectors";
-    case Basis::vectors9:
-      return "vectors9";
-    case Basis::sh9:
-      return "sh9";
-    case Basis::ambient_cube:
-      return "ambient_cube";
-    case Basis::sh4:
-      return "sh4";
-  }
-  return "";
-}
-
-Basis basis_from_name(std::string_view text) { return from_name(text, all_bases, "basis"); }
-
-std::string_view name(Reconstruction reconstruction) {
-  return reconstruction == Reconstruction::optimal ? "optimal" : "paper";
-}
-
-Reconstruction reconstruction_from_name(std::string_view text) {
-  return from_name(text, std::array{Reconstruction::optimal, Reconstruction::paper}, "reconstruction");
-}
 
 int function_count(Basis basis) {
   switch (basis) {
@@ -238,8 +202,8 @@ Rgb irradiance(Basis basis, Reconstruction reconstruction, const float* m, const
   return {0, 0, 0};
 }
 
-// Jensen's inequality for the convex max(0, .) over each of the two hemispheres of an axis bounds E
-// from below, for every axis; from above, |n.w| <= sum |n_i| |w_i|.
+// Jensen's inequality for the convex max(0, .) over each of the two hemispheres of an axis bounds E from below, for
+// every axis; from above, |n.w| <= sum |n_i| |w_i|.
 IrradianceBracket irradiance_bracket(const float* m, const V3f& n) {
   IrradianceBracket bracket{Rgb(0, 0, 0), dot(n, m)};
   for (unsigned i = 0; i < 3; ++i) {

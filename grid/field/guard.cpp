@@ -16,8 +16,8 @@ float sign_not_zero(float x) { return x < 0 ? -1.0F : 1.0F; }
 
 }  // namespace
 
-// Octahedral mapping after Cigolle et al., "A Survey of Efficient Representations for Independent Unit
-// Vectors", JCGT 2014.
+// Octahedral mapping after Cigolle et al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT
+// 2014.
 std::uint32_t pack(const GuardPlane& plane) {
   const V3f& n = plane.normal;
   const float scale = 1 / (std::abs(n.x) + std::abs(n.y) + std::abs(n.z));
@@ -67,38 +67,32 @@ namespace {
 template <typename Visit>
 void for_each_hidden(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint, const Visit& visit) {
   const V3f index = grid.frame.to_index(p);
-  const auto row = std::uint32_t(grid.frame.size.x);
-  const auto plane = row * std::uint32_t(grid.frame.size.y);
   for (int i = 0; i < footprint.count; ++i) {
     const std::uint32_t vertex = footprint.vertex[std::size_t(i)];
     if (footprint.weight[std::size_t(i)] == 0 || grid.visible_fraction[vertex] <= 0) continue;
-    const V3f at(static_cast<float>(vertex % row), static_cast<float>(vertex % plane / row),
-                 static_cast<float>(vertex / plane));
-    visit(i, hidden_by(grid.guard[vertex], index - at));
+    visit(std::size_t(i), hidden_by(grid.guard[vertex], index - V3f(grid.frame.vertex_coordinates(vertex))));
   }
 }
 
 }  // namespace
 
-std::uint64_t visible_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint) {
-  if (grid.guard.empty()) return ~std::uint64_t(0);
-  std::uint64_t visible = 0;
-  for_each_hidden(grid, p, footprint, [&](int entry, float hidden) {
-    if (hidden <= 0) visible |= std::uint64_t(1) << unsigned(entry);
-  });
+VisibleEntries visible_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint) {
+  VisibleEntries visible;
+  if (grid.guard.empty()) return visible.set();
+  for_each_hidden(grid, p, footprint, [&](std::size_t entry, float hidden) { visible[entry] = hidden <= 0; });
   return visible;
 }
 
-std::uint64_t least_hidden_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint) {
-  if (grid.guard.empty()) return ~std::uint64_t(0);
-  std::uint64_t bit = 0;
+VisibleEntries least_hidden_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint) {
+  VisibleEntries best;
+  if (grid.guard.empty()) return best.set();
   float least = std::numeric_limits<float>::infinity();
-  for_each_hidden(grid, p, footprint, [&](int entry, float hidden) {
+  for_each_hidden(grid, p, footprint, [&](std::size_t entry, float hidden) {
     if (hidden >= least) return;
     least = hidden;
-    bit = std::uint64_t(1) << unsigned(entry);
+    best.reset().set(entry);
   });
-  return bit;
+  return best;
 }
 
 }  // namespace ivory

@@ -1,5 +1,5 @@
-// The compact leak guard: what a vertex sees within one voxel around it, as up to four planes in
-// 16 bytes. Small enough to go to the GPU beside the grid; fitted by tracer/bake/field/guard_fit.h.
+// The compact leak guard: what a vertex sees within one voxel around it, as up to four planes in 16 bytes. Small enough
+// to go to the GPU beside the grid; fitted by tracer/bake/field/guard_fit.h.
 #pragma once
 
 #include <optional>
@@ -15,18 +15,20 @@ struct GuardPlane {
 };
 inline constexpr int guard_planes = 4;
 
-// One plane in 32 bits: octahedral normal 10 + 10, distance 12. Never zero, which stands for no plane.
+// One plane in 32 bits: octahedral normal 10 + 10, distance 12. Never zero, which stands for no plane and unpacks to
+// nothing.
 std::uint32_t pack(const GuardPlane& plane);
 std::optional<GuardPlane> unpack(std::uint32_t word);
 
-// How far, in voxels, the point at offset u lies beyond the plane that hides it most: positive where the
-// vertex does not see it, very negative where no plane is set.
+// How far, in voxels, the point at offset u (voxels, the grid's own axes) lies beyond the plane that hides it most:
+// positive where the vertex does not see it, very negative where no plane is set.
 float hidden_by(const GuardRecord& record, const V3f& u);
 
-// Bit i: entry i's vertex sees p (world). All ones for a grid without guard.
-std::uint64_t visible_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint);
+// The entries whose vertices see p (world, m) by their planes; all of them for a grid without guard.
+VisibleEntries visible_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint);
 
-// The bit of the entry whose vertex, of those that store something, is the least hidden from p.
-std::uint64_t least_hidden_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint);
+// The one entry whose vertex, of those that store something, is the least hidden from p (world, m); none where no
+// vertex stores anything, all for a grid without guard.
+VisibleEntries least_hidden_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint);
 
 }  // namespace ivory

@@ -3,33 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "grid/base/error.h"
-
 namespace ivory {
-
-std::string_view name(Guard guard) {
-  switch (guard) {
-    case Guard::off:
-      return "off";
-    case Guard::planes:
-      return "planes";
-    case Guard::rays:
-      return "rays";
-  }
-  return "";
-}
-
-Guard guard_from_name(std::string_view text) {
-  for (const Guard guard : {Guard::off, Guard::planes, Guard::rays}) {
-    if (name(guard) == text) return guard;
-  }
-  throw UsageError("unknown guard '" + std::string(text) + "'; one of rays, planes, off");
-}
 
 namespace {
 
-// Vertices and weights that one axis contributes: two for linear interpolation, four for the cubic
-// B-spline. Outside the grid the nearest vertex is repeated.
+// Vertices and weights that one axis contributes: two for linear interpolation, four for the cubic B-spline. Outside
+// the grid the nearest vertex is repeated.
 struct AxisFootprint {
   std::array<int, 4> index;
   std::array<float, 4> weight;
@@ -80,12 +59,12 @@ float vertex_trust(float visible_fraction) {
   return std::min(1.0F, visible_fraction / full_trust);
 }
 
-float restrict_footprint(const IrradianceGrid& grid, std::uint64_t visible, Footprint& footprint) {
+float restrict_footprint(const IrradianceGrid& grid, const VisibleEntries& visible, Footprint& footprint) {
   constexpr float least_weight = 1e-4F;  // below this a renormalised weight is rounding noise
-  std::array<float, 72> trusted;
+  std::array<float, max_footprint> trusted;
   float kept = 0;
   for (std::size_t i = 0; i < std::size_t(footprint.count); ++i) {
-    const float fraction = ((visible >> i) & 1U) != 0 ? grid.visible_fraction[footprint.vertex[i]] : 0;
+    const float fraction = visible[i] ? grid.visible_fraction[footprint.vertex[i]] : 0;
     trusted[i] = footprint.weight[i] * vertex_trust(fraction);
     kept += trusted[i];
   }

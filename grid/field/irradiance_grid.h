@@ -2,73 +2,80 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <string>
 #include <vector>
 
 #include "grid/base/metadata.h"
+#include "grid/base/names.h"
 #include "grid/field/basis.h"
+#include "grid/field/frame.h"
 
 namespace ivory {
 
-// Vertices stand at integer index coordinates 0 .. size-1, each in the middle of its cell, the box of
-// one voxel around it: the grid covers index coordinates -1/2 .. size-1/2. Index (i,j,k) lies at
-// origin + (i spacing.x, j spacing.y, k spacing.z) * local_to_world (Imath row vectors).
-struct GridFrame {
-  V3i size{0, 0, 0};       // vertices per axis, each at least 2
-  V3f origin_m{0, 0, 0};   // world position of vertex (0,0,0)
-  V3f spacing_m{1, 1, 1};  // along the grid's own axes
-  M33f local_to_world;     // rotation; rows are the grid's axes in world space. Stored vectors live in the local frame
-
-  std::size_t vertex_count() const { return std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z); }
-  // x runs fastest.
-  std::size_t vertex_index(int i, int j, int k) const {
-    return (std::size_t(k) * std::size_t(size.y) + std::size_t(j)) * std::size_t(size.x) + std::size_t(i);
-  }
-  V3f to_index(const V3f& p_world) const { return direction_to_local(p_world - origin_m) / spacing_m; }
-  V3f to_world(const V3f& p_index) const { return origin_m + direction_to_world(p_index * spacing_m); }
-  // local_to_world is a rotation, so its transpose is its inverse.
-  V3f direction_to_local(const V3f& w) const {
-    const M33f& m = local_to_world;
-    return {w.x * m[0][0] + w.y * m[0][1] + w.z * m[0][2], w.x * m[1][0] + w.y * m[1][1] + w.z * m[1][2],
-            w.x * m[2][0] + w.y * m[2][1] + w.z * m[2][2]};
-  }
-  V3f direction_to_world(const V3f& w) const { return w * local_to_world; }
-};
-
-// What a vertex can see around it, in 16 bytes; see guard.h. All zero: sees everything.
+// What a vertex can see around it, in 16 bytes; see guard.h. All zero: it sees everything.
 struct GuardRecord {
   std::array<std::uint32_t, 4> words{};
   bool operator==(const GuardRecord&) const = default;
 };
 
-struct IrradianceGrid {
+// Which light is stored.
+enum class StoredLight { indirect, direct_and_indirect };
+template <>
+inline constexpr auto name_table<StoredLight> = make_name_table<StoredLight>(
+    "light", {{StoredLight::indirect, "indirect"}, {StoredLight::direct_and_indirect, "direct and indirect"}});
+
+// What a grid and the sums that it is made from (accumulator.h) have in common.
+struct GridVertices {
   GridFrame frame;
   Basis basis = Basis::vectors;
-  std::vector<float> moments;  // [vertex][function][rgb], lux
-  // Fraction of the vertex's cell, in 64ths, that the vertex sees; 0 marks a vertex that stores nothing (buried in a
-  // wall, or not kept).
+  StoredLight light = StoredLight::indirect;
+  // [vertex] fraction of the vertex's cell, in 64ths, that the vertex sees; 0 marks a vertex that stores nothing
+  // (buried in a wall, or not kept).
   std::vector<float> visible_fraction;
-  // Variance of one measurement of E at the vertex, lux^2 per channel: photon noise, estimated for
-  // light spread over the receiver's hemisphere.
-  std::vector<Rgb> variance;
-  std::vector<GuardRecord> guard;  // empty: baked with --guard off
+  std::vector<GuardRecord> guard;  // [vertex]; empty: baked without guard
   Metadata metadata;
+};
 
+struct IrradianceGrid : GridVertices {
+  std::vector<float> moments;  // [vertex][function][rgb], lux
+  // [vertex] variance of one measurement of E, lux^2 per channel: photon noise, estimated for light spread over the
+  // receiver's hemisphere.
+  std::vector<Rgb> variance;
+
+  // Floats a vertex, and where a vertex's begin.
   int stride() const { return function_count(basis) * 3; }
   const float* at(std::size_t vertex) const { return moments.data() + vertex * std::size_t(stride()); }
 };
 
-enum class Interpolation { trilinear, tricubic };
-enum class Guard { off, planes, rays };
-std::string_view name(Guard guard);
-Guard guard_from_name(std::string_view name);
+enum class Interpolation {
+  trilinear,
+  tricubic,  // B-spline: smoother, and blurs
+};
+template <>
+inline constexpr auto name_table<Interpolation> = make_name_table<Interpolation>(
+    "interpolation", {{Interpolation::trilinear, "trilinear"}, {Interpolation::tricubic, "tricubic"}});
 
-// The vertices that a lookup reads and their interpolation weights, which add up to one.
+// What keeps light from leaking through walls when a grid is read.
+enum class Guard {
+  off,
+  planes,  // stored in the grid: guard.h
+  rays,    // traced in the scene: tracer/render/guard_rays.h
+};
+template <>
+inline constexpr auto name_table<Guard> =
+    make_name_table<Guard>("guard", {{Guard::rays, "rays"}, {Guard::planes, "planes"}, {Guard::off, "off"}});
+
+// The vertices that a look-up reads and their interpolation weights, which add up to one.
+inline constexpr std::size_t max_footprint = 72;
 struct Footprint {
   int count = 0;  // 8 trilinear, 64 tricubic, 72 a blend of both
-  std::array<std::uint32_t, 72> vertex;
-  std::array<float, 72> weight;
+  std::array<std::uint32_t, max_footprint> vertex;
+  std::array<float, max_footprint> weight;
 };
+
+// Bit i: the vertex of entry i sees the point that is looked up.
+using VisibleEntries = std::bitset<max_footprint>;
 
 struct LookupParams {
   Interpolation interpolation = Interpolation::trilinear;
@@ -76,22 +83,22 @@ struct LookupParams {
   float nudge_voxels = 0.25F;  // p moves along n by this fraction of a voxel before it is looked up
 };
 
-// Footprint of p (world); beyond the outermost vertices the nearest ones are repeated.
+// Footprint of p (world, m). Beyond the outermost vertices the nearest ones are repeated.
 Footprint make_footprint(const GridFrame& frame, const V3f& p, Interpolation interpolation);
 
 // How much a vertex that sees that fraction of its cell counts, 0 to 1: one that sees less than a quarter knows less of
 // what is around it.
 float vertex_trust(float visible_fraction);
 
-// Sets the weights of vertices that store nothing, and of those whose visibility bit is not set (bit i for
-// entry i; all ones for no guard), to zero and renormalises the others. Returns the share of the weight that
-// was kept: 0, and nothing changed, where next to nothing would be left.
-float restrict_footprint(const IrradianceGrid& grid, std::uint64_t visible, Footprint& footprint);
+// Sets the weights of vertices that store nothing or do not see the point to zero, and renormalises the others. Returns
+// the share of the weight that was kept: 0, and nothing changed, where next to nothing would be left.
+float restrict_footprint(const IrradianceGrid& grid, const VisibleEntries& visible, Footprint& footprint);
 
-// Both footprints in one, `share` of it from a; at most 72 entries together.
+// Both footprints in one, `share` (0 to 1) of it from a; at most max_footprint entries with a weight together.
 Footprint blend(const Footprint& a, const Footprint& b, float share);
 
-// E(n), n a unit world vector, from an (already restricted) footprint: lux per channel.
+// E(n) in lux per channel, n a unit world vector, from an (already restricted) footprint. Throws UsageError for the
+// reconstruction `paper` of a basis other than vectors.
 Rgb irradiance(const IrradianceGrid& grid, const Footprint& footprint, const V3f& n, Reconstruction reconstruction);
 
 // Standard error of that E from photon noise alone, lux per channel; what the grid's resolution and the basis do to E

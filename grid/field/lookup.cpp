@@ -19,7 +19,7 @@ Footprint lookup_footprint(const IrradianceGrid& grid, Guard guard, const V3f& p
                              [&](const Footprint& footprint) { return visible_by_guard(grid, nudged, footprint); });
   }
   Footprint footprint = make_footprint(grid.frame, nudged, params.interpolation);
-  restrict_footprint(grid, ~std::uint64_t(0), footprint);
+  restrict_footprint(grid, VisibleEntries().set(), footprint);
   return footprint;
 }
 

@@ -2,20 +2,18 @@
 // shaders/field/irradiance_grid.glsl. With rays in place of the planes: tracer/render/guard_rays.h.
 #pragma once
 
-#include <cstdint>
-
 #include "grid/field/guard.h"
 #include "grid/field/irradiance_grid.h"
 
 namespace ivory {
 
-// How far a look-up moves off the surface.
+// How far a look-up moves off the surface, in metres: by the smallest spacing.
 float nudge_m(const GridFrame& frame, const LookupParams& params);
 
-// The footprint read at `nudged` (world, already off the surface) where visible(footprint) gives the bits of the
-// entries that see it: vertices that do not are left out. Where the others hold less than `enough_weight`, in narrow
-// places, the vertices of the tricubic footprint that see the point help out; where none does, the one least hidden by
-// its planes answers.
+// The footprint read at `nudged` (world, m, already off the surface). visible(footprint) says as VisibleEntries which
+// entries see it; the others are left out. Where what is left holds less than `enough_weight`, in narrow places, the
+// vertices of the tricubic footprint that see the point help out; where none does, the one least hidden by its planes
+// answers.
 inline constexpr float enough_weight = 0.25F;
 template <typename Visible>
 Footprint guarded_footprint(const IrradianceGrid& grid, const V3f& nudged, Interpolation interpolation,
@@ -32,12 +30,13 @@ Footprint guarded_footprint(const IrradianceGrid& grid, const V3f& nudged, Inter
   return footprint;
 }
 
-// The footprint that a look-up at surface point p (geometric normal ng on the lit side) reads, by the stored planes or
-// without guard: p is nudged off the surface along ng by params.nudge_voxels. `guard` is planes or off.
+// The footprint that a look-up at surface point p (world, m; unit geometric normal ng on the lit side) reads, by the
+// stored planes or without guard: p is nudged off the surface along ng by params.nudge_voxels. `guard` is planes or
+// off.
 Footprint lookup_footprint(const IrradianceGrid& grid, Guard guard, const V3f& p, const V3f& ng,
                            const LookupParams& params);
 
-// E(n) in lux per channel at p through that footprint; n is the shading normal.
+// E(n) in lux per channel at p through that footprint; n is the unit shading normal. Throws as irradiance() does.
 Rgb lookup_irradiance(const IrradianceGrid& grid, Guard guard, const V3f& p, const V3f& ng, const V3f& n,
                       const LookupParams& params);
 

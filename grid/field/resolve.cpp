@@ -1,10 +1,8 @@
-// From exact integer sums to the moments that a grid stores.
+#include "grid/field/resolve.h"
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-
-#include "grid/base/error.h"
-#include "grid/field/accumulator.h"
 
 namespace ivory {
 namespace {
@@ -78,34 +76,29 @@ Moments convert_from_vectors(Basis basis, const Moments& v) {
 
 }  // namespace
 
-IrradianceGrid finish(const GridSums& sums) {
-  const SumLayout layout = sum_layout(sums.basis, sums.estimator);
-  const GridFrame& frame = sums.frame;
-  assert(sums.sums.size() == frame.vertex_count() * std::size_t(layout.stride()));
-  const auto photons = static_cast<double>(sums.photon_end - sums.photon_begin);
+IrradianceGrid resolve(const GridAccumulator& accumulator) {
+  const SumLayout layout = sum_layout(accumulator.basis, accumulator.estimator);
+  const GridFrame& frame = accumulator.frame;
+  assert(accumulator.sums.size() == frame.vertex_count() * std::size_t(layout.stride()));
+  const auto photons = static_cast<double>(accumulator.photon_end - accumulator.photon_begin);
 
-  IrradianceGrid grid;
-  grid.frame = frame;
-  grid.basis = sums.basis;
-  grid.visible_fraction = sums.visible_fraction;
-  grid.guard = sums.guard;
-  grid.metadata = sums.metadata;
+  IrradianceGrid grid{accumulator, {}, {}};
   grid.moments.assign(frame.vertex_count() * std::size_t(grid.stride()), 0.0F);
   grid.variance.assign(frame.vertex_count(), Rgb(0, 0, 0));
   if (photons == 0) return grid;
 
   const V3f& h = frame.spacing_m;
   for (std::size_t vertex = 0; vertex < frame.vertex_count(); ++vertex) {
-    const float fraction = sums.visible_fraction[vertex];
+    const float fraction = accumulator.visible_fraction[vertex];
     if (fraction <= 0) continue;
-    const std::int64_t* source = sums.sums.data() + vertex * std::size_t(layout.stride());
+    const std::int64_t* source = accumulator.sums.data() + vertex * std::size_t(layout.stride());
 
     double measure = 0;  // m^3 or m^2, times photons
     Moments moments{};
-    if (sums.estimator == Estimator::track) {
+    if (accumulator.estimator == Estimator::track) {
       measure = photons * double(h.x) * h.y * h.z * fraction;
       if (layout.slots == 8) {
-        moments = convert_from_vectors(sums.basis, fold_octants(source, layout));
+        moments = convert_from_vectors(accumulator.basis, fold_octants(source, layout));
       } else {
         for (std::size_t f = 0; f < std::size_t(layout.functions) * 3; ++f) moments[f] = static_cast<double>(source[f]);
       }
@@ -116,17 +109,18 @@ IrradianceGrid finish(const GridSums& sums) {
 
     float* target = grid.moments.data() + vertex * std::size_t(grid.stride());
     for (std::size_t f = 0; f < std::size_t(grid.stride()); ++f)
-      target[f] = static_cast<float>(moments[f] * sums.quantum / measure);
+      target[f] = static_cast<float>(moments[f] * accumulator.quantum / measure);
 
-    // Photons arrive independently, so the variance of a sum is the sum of squares. A receiver
-    // weighs each with max(0, n.w), whose square averages 1/3 over its hemisphere.
-    const double area = sums.estimator == Estimator::track ? 1.0 : std::cbrt(double(h.x) * h.y * h.z * h.x * h.y * h.z);
+    // Photons arrive independently, so the variance of a sum is the sum of squares. A receiver weighs each with max(0,
+    // n.w), whose square averages 1/3 over its hemisphere.
+    const double area =
+        accumulator.estimator == Estimator::track ? 1.0 : std::cbrt(double(h.x) * h.y * h.z * h.x * h.y * h.z);
     for (unsigned c = 0; c < 3; ++c) {
       double squares = 0;
       for (int slot = 0; slot < layout.slots; ++slot)
         squares += static_cast<double>(source[slot * layout.lanes() + 3 * layout.functions + int(c)]);
       grid.variance[vertex][c] =
-          static_cast<float>(squares * sums.quantum_squared / (3 * measure * measure * area * area));
+          static_cast<float>(squares * accumulator.quantum_squared / (3 * measure * measure * area * area));
     }
   }
   return grid;

@@ -65,8 +65,8 @@ float common_area(const Shadow& a, const Shadow& b) {
 
 // How much of what `weak` hides `strong` has left open. Light spread over the weak one's disc A_k: the strong one with
 // disc A_j, filled to the share c_j, has hidden c_j A_jk / A_k of it, if the two are laid out independently of each
-// other. Light gathered in few places is hidden by both where the mean directions of the light that they hide agree,
-// to within the smaller disc.
+// other. Light gathered in few places is hidden by both where the mean directions of the light that they hide agree, to
+// within the smaller disc.
 float left_open(const Shadow& strong, const Shadow& weak) {
   const float gathered = weak.gathered * strong.gathered;
   const float spread = strong.coverage * common_area(strong, weak) / disc_area(weak);
@@ -149,8 +149,8 @@ Rgb hidden_by(FivOverlap overlap, const Shadows& shadows, const Rgb& unshadowed)
 
 }  // namespace
 
-// Interpolation weights are positive, and both n.F and the lower bound of irradiance_bracket() are at most
-// |I_+i| + |I_-i| for some axis i, a sum of norms and so convex: it is nowhere greater than at the samples.
+// Interpolation weights are positive, and both n.F and the lower bound of irradiance_bracket() are at most |I_+i| +
+// |I_-i| for some axis i, a sum of norms and so convex: it is nowhere greater than at the samples.
 float most_hidden(const FivTable& table) {
   const auto numbers = std::size_t(3 * fiv_function_count(table.hemispheres));
   const std::size_t sphere = std::size_t(table.size.x) * std::size_t(table.size.y);

@@ -29,6 +29,11 @@ enum class FivOverlap {
             // what they hide for gathered light; weaker ones among themselves by product
   product,  // visible shares multiply, whatever the directions
 };
+template <>
+inline constexpr auto name_table<FivOverlap> = make_name_table<FivOverlap>("overlap", {{FivOverlap::covers, "covers"},
+                                                                                       {FivOverlap::discs, "discs"},
+                                                                                       {FivOverlap::product, "product"},
+                                                                                       {FivOverlap::none, "none"}});
 
 // Shadows that are compared pair by pair, the strongest; so the cost is linear in the occluders.
 inline constexpr int fiv_strongest = 8;
@@ -41,10 +46,10 @@ struct FivLightParams {
   FivOverlap overlap = FivOverlap::covers;
 };
 
-// Irradiance in lux at p with unit normal n: `unshadowed`, the irradiance that the environment alone gives
-// for n, less what the occluders hide (eq. 11). `self` is the index of the occluder that p lies on, or -1: it leaves
-// n.(FIV_tot - FIV) (eq. 12). Never negative, and never more than the unshadowed light, or than what `self` leaves.
-// Among more than fiv_strongest occluders the order has a small say: a shadow is compared with the strongest so far.
+// Irradiance in lux at p with unit normal n: `unshadowed`, the irradiance that the environment alone gives for n, less
+// what the occluders hide (eq. 11). `self` is the index of the occluder that p lies on, or -1: it leaves n.(FIV_tot -
+// FIV) (eq. 12). Never negative, and never more than the unshadowed light, or than what `self` leaves. Among more than
+// fiv_strongest occluders the order has a small say: a shadow is compared with the strongest so far.
 Rgb fiv_irradiance(std::span<const FivPlacement> occluders, const V3f& p, const V3f& n, int self, const Rgb& unshadowed,
                    const FivLightParams& params);
 

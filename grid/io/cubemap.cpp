@@ -52,8 +52,7 @@ void write_localized_cube(const std::string& path, const LocalizedCube& cube, bo
 
 LocalizedCube read_localized_cube(const std::string& path) {
   const ExrAsset asset = read_exr(path, kind, remedy);
-  const auto version = asset.metadata.find("format_version");
-  if (version == asset.metadata.end() || version->second != MetaValue(format_version))
+  if (find_int(asset.metadata, "format_version") != format_version)
     throw Error(path, "is a cube map of another format version", remedy);
   const auto position = asset.lists.find("position_m");
   if (asset.channels != channels || asset.height != cube_faces * asset.width || position == asset.lists.end() ||

@@ -31,10 +31,8 @@ void write_difmap(const std::string& path, const DifMap& map, bool force) {
 
 DifMap read_difmap(const std::string& path) {
   ExrAsset asset = read_exr(path, kind, remedy);
-  if (const auto version = asset.metadata.find("format_version");
-      version == asset.metadata.end() || version->second != MetaValue(format_version)) {
+  if (find_int(asset.metadata, "format_version") != format_version)
     throw Error(path, "has another format version than this ivory reads", remedy);
-  }
   if (asset.width < 1 || asset.height != cube_faces * asset.width ||
       asset.channels != std::vector<std::string>{"R", "G", "B"}) {
     throw Error(path, "has not the shape of six faces in R, G and B", remedy);

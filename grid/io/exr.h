@@ -1,5 +1,5 @@
-// Baked assets as OpenEXR files: named channels, everything about their making as attributes, and a
-// checksum. FIV tables, irradiance cube maps, localized cube maps and lobe tables are kept so.
+// Baked assets as OpenEXR files: named channels, everything about their making as attributes, and a checksum. FIV
+// tables, irradiance cube maps, localized cube maps and lobe tables are kept so.
 #pragma once
 
 #include <map>
@@ -7,10 +7,15 @@
 #include <vector>
 
 #include "grid/base/metadata.h"
+#include "grid/base/names.h"
 
 namespace ivory {
 
 enum class ExrPrecision { float32, float16 };
+template <>
+inline constexpr auto name_table<ExrPrecision> = make_name_table<ExrPrecision>("precision",
+                                                                               {{ExrPrecision::float32, "float32"},
+                                                                                {ExrPrecision::float16, "float16"}});
 
 struct ExrAsset {
   std::string kind;  // of asset: "fiv", "difmap", ...; attribute ivory:asset
@@ -24,12 +29,12 @@ struct ExrAsset {
   bool cube_environment = false;
 };
 
-// Losslessly compressed, whole or not at all. Throws Error where the file exists and not `force`, where it
-// cannot be written, and where a value is not finite or, in float16, beyond 65504.
+// Losslessly compressed, whole or not at all. Throws Error where the file exists and not `force`, where it cannot be
+// written, and where a value is not finite or, in float16, beyond 65504.
 void write_exr(const std::string& path, const ExrAsset& asset, ExrPrecision precision, bool force);
 
-// Throws Error for files that are not OpenEXR, hold another kind of asset or none (`remedy` says how to make
-// one), are damaged (checksum), too large for this machine, or hold values that are not finite.
+// Throws Error for files that are not OpenEXR, hold another kind of asset or none (`remedy` says how to make one), are
+// damaged (checksum), too large for this machine, or hold values that are not finite.
 ExrAsset read_exr(const std::string& path, const std::string& kind, const std::string& remedy);
 
 // The kind of asset that a file holds, from its header alone; empty where it is not an OpenEXR file by ivory.

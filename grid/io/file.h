@@ -7,8 +7,8 @@ namespace ivory {
 
 class PendingFile {
  public:
-  // Throws Error where `path` exists and not `force`, or where its folder cannot be written to. A symbolic link
-  // stands for what it points to, and stays.
+  // Throws Error where `path` exists and not `force`, or where its folder cannot be written to. A symbolic link stands
+  // for what it points to, and stays.
   PendingFile(std::string path, bool force);
   // Removes the temporary file unless commit() ran.
   ~PendingFile();
@@ -18,8 +18,8 @@ class PendingFile {
   // The name to write to: beside the target, with the target's extension. No other process, on this machine or on
   // another that shares the folder, has the same.
   const std::string& temporary() const { return temporary_; }
-  // Brings what was written onto the disk, then renames it onto the target: after a loss of power there is the old
-  // file or the whole new one. Throws Error where that fails.
+  // Brings what was written onto the disk, then renames it onto the target: after a loss of power there is the old file
+  // or the whole new one. Throws Error where that fails.
   void commit();
 
  private:

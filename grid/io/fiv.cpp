@@ -52,7 +52,7 @@ void write_fiv(const std::string& path, const FivTable& table, ExrPrecision prec
   asset.metadata["polar_angles"] = std::int64_t(table.size.y);
   asset.metadata["spheres"] = std::int64_t(table.size.z);
   asset.metadata["hemispheres"] = std::int64_t(table.hemispheres);
-  asset.metadata["precision"] = std::string(precision == ExrPrecision::float32 ? "float32" : "float16");
+  asset.metadata["precision"] = std::string(name_of(precision));
   asset.lists["radii"] = table.radii;
   asset.lists["sphere_m"] = {table.center_m.x, table.center_m.y, table.center_m.z, table.radius_m};
   asset.lists["coverage"] = {table.coverage};
@@ -64,9 +64,8 @@ void write_fiv(const std::string& path, const FivTable& table, ExrPrecision prec
 FivTable read_fiv(const std::string& path) {
   ExrAsset asset = read_exr(path, "fiv", remedy);
   const auto integer = [&](const char* key) {
-    const auto found = asset.metadata.find(key);
-    const auto* value = found == asset.metadata.end() ? nullptr : std::get_if<std::int64_t>(&found->second);
-    if (value == nullptr || *value < 1 || *value > 1 << 20)
+    const auto value = find_int(asset.metadata, key);
+    if (!value || *value < 1 || *value > 1 << 20)
       throw Error(path, std::string("is damaged (attribute ") + key + ")", remedy);
     return int(*value);
   };

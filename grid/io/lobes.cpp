@@ -10,12 +10,6 @@ namespace {
 constexpr const char* remedy = "make one with: ivory bake lobes -o LOBES.exr";
 const std::vector<std::string> channel_names{"integral", "axis", "exponent"};
 
-std::int64_t integer(const Metadata& metadata, const char* key) {
-  const auto found = metadata.find(key);
-  const auto* value = found == metadata.end() ? nullptr : std::get_if<std::int64_t>(&found->second);
-  return value == nullptr ? 0 : *value;
-}
-
 }  // namespace
 
 void write_lobes(const std::string& path, const LobeTable& table, const Metadata& metadata, bool force) {
@@ -36,9 +30,9 @@ void write_lobes(const std::string& path, const LobeTable& table, const Metadata
 LobesFile read_lobes(const std::string& path) {
   ExrAsset asset = read_exr(path, lobes_kind, remedy);
   LobesFile file;
-  const std::int64_t nodes = integer(asset.metadata, "exponent_nodes");
-  const std::int64_t angles = integer(asset.metadata, "angle_nodes");
-  if (integer(asset.metadata, "format_version") != 1) throw Error(path, "is of another format version", remedy);
+  const std::int64_t nodes = find_int(asset.metadata, "exponent_nodes").value_or(0);
+  const std::int64_t angles = find_int(asset.metadata, "angle_nodes").value_or(0);
+  if (find_int(asset.metadata, "format_version") != 1) throw Error(path, "is of another format version", remedy);
   if (asset.channels != channel_names || nodes < 2 || nodes > 129 || angles < 2 || angles != asset.width ||
       nodes * nodes != asset.height)
     throw Error(path, "is damaged (its size is not that of a lobe table)", remedy);

@@ -2,26 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <type_traits>
-#include <variant>
 
 #include <nlohmann/json.hpp>
 
 #include "grid/base/error.h"
 #include "grid/io/file.h"
+#include "grid/io/json.h"
 
 namespace ivory {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-constexpr const char* format_name = "ivory sh9";
-constexpr std::int64_t format_version = 1;
-constexpr const char* remedy = "bake it with 'ivory bake sh9'";
-constexpr std::uintmax_t largest_file = 1 << 20;  // a hundred times what is written
 
 Json triples(const std::array<V3d, 9>& values) {
   Json list = Json::array();
@@ -42,21 +32,13 @@ Json matrices_json(const Sh9Matrices& matrices) {
   return list;
 }
 
-void write_json(const std::string& path, const Json& json, bool force) {
-  PendingFile pending(path, force);
-  {
-    std::ofstream file(pending.temporary(), std::ios::binary);
-    file << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-    if (!file.flush()) throw Error(path, "cannot be written", "check the disk");
-  }
-  pending.commit();
-}
+std::string text_of(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n'; }
 
 class Reader {
  public:
-  Reader(std::string path, Json json) : path_(std::move(path)), json_(std::move(json)) {}
+  explicit Reader(const std::string& path) : path_(path), json_(read_json_asset(path, json_sh9)) {}
 
-  [[noreturn]] void refuse(const std::string& cause) const { throw Error(path_, cause, remedy); }
+  [[noreturn]] void refuse(const std::string& cause) const { throw Error(path_, cause, json_sh9.remedy); }
 
   const Json& at(const char* key) const {
     const auto found = json_.find(key);
@@ -87,8 +69,8 @@ class Reader {
 }  // namespace
 
 void write_sh9(const std::string& path, const Sh9Asset& asset, bool force) {
-  Json json{{"format", format_name},
-            {"format_version", format_version},
+  Json json{{json_sh9.key, json_sh9.value},
+            {"format_version", json_format_version},
             {"ivory_version", IVORY_VERSION},
             {"order", asset.order},
             {"window", window_json(asset.window)},
@@ -102,27 +84,12 @@ void write_sh9(const std::string& path, const Sh9Asset& asset, bool force) {
             {"coefficient_order", {"L00", "L1-1", "L10", "L11", "L2-2", "L2-1", "L20", "L21", "L22"}},
             {"coefficients", triples(asset.sh.coefficients)},
             {"matrices", matrices_json(sh9_matrices(asset.sh))}};
-  for (const auto& [key, value] : asset.metadata)
-    std::visit([&, &meta_key = key](const auto& v) { json[meta_key] = v; }, value);
-  write_json(path, json, force);
+  json.update(to_json(asset.metadata));
+  write_json_text(path, text_of(json), force);
 }
 
 Sh9Asset read_sh9(const std::string& path) {
-  std::error_code status;
-  const std::uintmax_t bytes = std::filesystem::file_size(path, status);
-  std::ifstream file(path, std::ios::binary);
-  if (status || !file) throw Error(path, "cannot be read", "check the name");
-  if (bytes > largest_file) throw Error(path, "is too large for an SH9 file", remedy);
-  Json json = Json::parse(file, nullptr, /*allow_exceptions=*/false);
-  if (json.is_discarded()) throw Error(path, "is not JSON", remedy);
-  if (!json.is_object() || json.value("format", Json()) != format_name) throw Error(path, "is no SH9 file", remedy);
-  const Reader reader(path, std::move(json));
-  if (const double version = reader.number(reader.at("format_version"), "format_version");
-      version != double(format_version)) {
-    reader.refuse("has format version " + reader.at("format_version").dump() + ", this ivory reads " +
-                  std::to_string(format_version));
-  }
-
+  const Reader reader(path);
   Sh9Asset asset;
   const double order = reader.number(reader.at("order"), "order");
   if (order != 0 && order != 1 && order != 2) reader.refuse("has an order that is not 0, 1 or 2");
@@ -155,16 +122,10 @@ Sh9Asset read_sh9(const std::string& path) {
       }
     }
   }
-  for (const auto& [key, value] : reader.json().items()) {
-    if (key == "format" || key == "order" || key == "window" || key.find("_error") != std::string::npos) continue;
-    if (value.is_string()) {
-      asset.metadata[key] = value.get<std::string>();
-    } else if (value.is_number_integer()) {
-      asset.metadata[key] = value.get<std::int64_t>();
-    } else if (value.is_number()) {
-      asset.metadata[key] = value.get<double>();
-    }
-  }
+  asset.metadata = metadata_from_json(reader.json(), json_sh9);
+  std::erase_if(asset.metadata, [](const auto& entry) {
+    return entry.first == "order" || entry.first.find("_error") != std::string::npos;
+  });
   return asset;
 }
 
@@ -177,8 +138,7 @@ void write_sh9_dialect(const std::string& path, const Sh9Asset& asset, Sh9Dialec
               {"window", window_json(asset.window)},
               {"average_error", asset.error.average},
               {"maximum_error", asset.error.maximum}};
-  for (const auto& [key, value] : asset.metadata)
-    std::visit([&, &meta_key = key](const auto& v) { extras[meta_key] = v; }, value);
+  extras.update(to_json(asset.metadata));
   Json json;
   switch (dialect) {
     case Sh9Dialect::ivory:
@@ -203,7 +163,7 @@ void write_sh9_dialect(const std::string& path, const Sh9Asset& asset, Sh9Dialec
       break;
   }
   json["extras"] = extras;
-  write_json(path, json, force);
+  write_json_text(path, text_of(json), force);
 }
 
 }  // namespace ivory

@@ -22,8 +22,8 @@ struct Sh9Asset {
 // Whole or not at all; throws Error where the file exists and not `force`, or cannot be written.
 void write_sh9(const std::string& path, const Sh9Asset& asset, bool force);
 
-// Throws Error for what is no such file: bad JSON, missing or misshapen entries, numbers that are not finite, a
-// later format version, matrices that do not belong to the coefficients.
+// Throws Error for what is no such file: bad JSON, missing or misshapen entries, numbers that are not finite, a later
+// format version, matrices that do not belong to the coefficients.
 Sh9Asset read_sh9(const std::string& path);
 
 // True for names that end in .json, in any case.

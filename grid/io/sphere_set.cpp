@@ -2,23 +2,18 @@
 
 #include <array>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "grid/base/error.h"
-#include "grid/io/file.h"
+#include "grid/io/json.h"
 
 namespace ivory {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-constexpr const char* remedy = "make one with: ivory bake spheres MESH.glb -o SPHERES.json";
-constexpr std::uintmax_t max_bytes = 256U << 20U;
+constexpr const char* remedy = json_spheres.remedy;
 
 // The shortest text that reads back as the same float.
 std::string text_of(float value) { return fmt::format("{}", value); }
@@ -26,9 +21,8 @@ std::string text_of(float value) { return fmt::format("{}", value); }
 }  // namespace
 
 void write_spheres(const std::string& path, const SphereSet& set, bool force) {
-  PendingFile pending(path, force);
-  Json json{{"ivory_asset", "spheres"}, {"format_version", 1}, {"units", "metres"}};
-  for (const auto& [key, value] : set.metadata) std::visit([&, &k = key](const auto& v) { json[k] = v; }, value);
+  Json json{{json_spheres.key, json_spheres.value}, {"format_version", json_format_version}, {"units", "metres"}};
+  json.update(to_json(set.metadata));
   std::string text = json.dump(1);
   // One sphere a line, floats as short as they read back the same.
   text.resize(text.find_last_of('}'));
@@ -40,24 +34,11 @@ void write_spheres(const std::string& path, const SphereSet& set, bool force) {
                         text_of(s.radius_m), i + 1 < set.spheres.size() ? "," : "");
   }
   text += " ]\n}\n";
-  std::ofstream file(pending.temporary(), std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) throw Error(path, "cannot be written", "check the disk");
-  pending.commit();
+  write_json_text(path, text, force);
 }
 
 SphereSet read_spheres(const std::string& path) {
-  std::error_code error;
-  if (std::filesystem::is_directory(path, error)) throw Error(path, "is a folder", remedy);
-  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
-  if (error) throw Error(path, "cannot be read", "check that it exists and is readable");
-  if (bytes > max_bytes) throw Error(path, "is too large for a sphere set", remedy);
-  std::ifstream file(path, std::ios::binary);
-  const Json json = Json::parse(file, nullptr, /*allow_exceptions=*/false);
-  if (json.is_discarded() || !json.is_object() || json.value("ivory_asset", Json()) != Json("spheres"))
-    throw Error(path, "is not a sphere set", remedy);
-  if (json.value("format_version", Json()) != Json(1)) throw Error(path, "is of another format version", remedy);
+  const Json json = read_json_asset(path, json_spheres);
   const auto list = json.find("spheres");
   if (list == json.end() || !list->is_array() || list->empty()) throw Error(path, "holds no spheres", remedy);
   if (list->size() > max_spheres) throw Error(path, fmt::format("holds more than {} spheres", max_spheres), remedy);
@@ -74,25 +55,8 @@ SphereSet read_spheres(const std::string& path) {
       throw Error(path, fmt::format("spheres[{}] is not [x, y, z, radius] in metres with a radius above 0", i), remedy);
     set.spheres.push_back({V3f(v[0], v[1], v[2]), v[3]});
   }
-  for (const auto& [key, value] : json.items()) {
-    if (key == "spheres" || key == "ivory_asset") continue;
-    if (value.is_string())
-      set.metadata[key] = value.get<std::string>();
-    else if (value.is_number_integer())
-      set.metadata[key] = value.get<std::int64_t>();
-    else if (value.is_number())
-      set.metadata[key] = value.get<double>();
-  }
+  set.metadata = metadata_from_json(json, json_spheres);
   return set;
-}
-
-bool is_sphere_set(const std::string& path) {
-  std::error_code error;
-  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
-  if (error || bytes > max_bytes) return false;
-  std::ifstream file(path, std::ios::binary);
-  const Json json = Json::parse(file, nullptr, /*allow_exceptions=*/false);
-  return json.is_object() && json.value("ivory_asset", Json()) == Json("spheres");
 }
 
 }  // namespace ivory

@@ -17,7 +17,4 @@ void write_spheres(const std::string& path, const SphereSet& set, bool force);
 // Throws Error for files that are no sphere set, hold none, or hold numbers that make no sphere.
 SphereSet read_spheres(const std::string& path);
 
-// Is the file JSON with "ivory_asset": "spheres"? False for anything that cannot be read.
-bool is_sphere_set(const std::string& path);
-
 }  // namespace ivory

@@ -5,16 +5,15 @@
 #include <span>
 #include <vector>
 
-// A light is a cap of radiance 1 times its colour, which the mask's leaves cut into caps: c_0 for the whole and c_k
-// for the leaves, as lobes whose integrals are the caps' solid angles. For a lobe f of the reflectance (cosine
-// included)
+// A light is a cap of radiance 1 times its colour, which the mask's leaves cut into caps: c_0 for the whole and c_k for
+// the leaves, as lobes whose integrals are the caps' solid angles. For a lobe f of the reflectance (cosine included)
 //
 //   L = I  sum_{k lit} g_k / sum_k g_k,   I = int f c_0,  g_k = int f c_k,
 //
 // which is the report's L = I - sum_{k dark} w g_k (eq. 39) with the weight w = I/sum_k g_k: the one that makes the
-// leaves of a light that is covered altogether cancel its lobe exactly, whatever f. Nothing is left to adjust.
-// Leaves of f = 1 give the lit fraction of the light's solid angle, leaves of the cosine their irradiance; both
-// exactly, because a leaf's lobe has the leaf's solid angle and vector moment.
+// leaves of a light that is covered altogether cancel its lobe exactly, whatever f. Nothing is left to adjust. Leaves
+// of f = 1 give the lit fraction of the light's solid angle, leaves of the cosine their irradiance; both exactly,
+// because a leaf's lobe has the leaf's solid angle and vector moment.
 //
 // Where f is narrower than the light, one lobe is a poor picture of the light's edge: leaves are then kept at a least
 // level and L = sum_{k lit} g_k. All leaves' solid angles still add up to the light's.

@@ -1,5 +1,5 @@
-// Light of balls by products of cosine lobes: reflectance as lobes, and what it sends on of a ball's light past the
-// spheres that stand before it.
+// Light of spherical lights by products of cosine lobes: reflectance as lobes, and what it sends on of the light past
+// the spheres that stand before it.
 #pragma once
 
 #include <array>
@@ -29,13 +29,13 @@ struct LobeReflectance {
 // f(wi) max(ns.wi, 0) in 1/sr.
 Rgb eval(const LobeReflectance& reflectance, const V3f& wi);
 
-// The exponent of the Phong lobe as wide as a GGX lobe of roughness alpha: Blinn's lobe of half vectors has
-// 2/alpha^2 - 2 (both fall by the same factor at small angles), and a reflected direction turns twice as far as its
-// half vector, which is a quarter of the exponent. 0 to max_lobe_exponent.
+// The exponent of the Phong lobe as wide as a GGX lobe of roughness alpha: Blinn's lobe of half vectors has 2/alpha^2 -
+// 2 (both fall by the same factor at small angles), and a reflected direction turns twice as far as its half vector,
+// which is a quarter of the exponent. 0 to max_lobe_exponent.
 float phong_exponent(float roughness_alpha);
 
-// The same as a sum of lobes: color times a lobe of scale 1 at most. The diffuse one has exponent 1; each glossy
-// lobe is multiplied by the cosine lobe around ns.
+// The same as a sum of lobes: color times a lobe of scale 1 at most. The diffuse one has exponent 1; each glossy lobe
+// is multiplied by the cosine lobe around ns.
 struct ReflectanceLobe {
   Lobe lobe;
   Rgb color{0, 0, 0};
@@ -51,14 +51,14 @@ struct LobeLightParams {
   MaskRule mask_rule = MaskRule::center;
   // Products estimated below this fraction of the lobe's unshadowed light are dropped. 0 keeps all.
   float threshold = 1e-3F;
-  // A light that a glossy lobe is narrower than is taken as up to 4^n leaves of its own, so that reflections keep
-  // the light's edge; 0 takes it as one lobe always. At most max_mask_depth.
+  // A light that a glossy lobe is narrower than is taken as up to 4^n leaves of its own, so that reflections keep the
+  // light's edge; 0 takes it as one lobe always. At most max_mask_depth.
   int max_split_level = 3;
 };
 
-// What a surface with shading normal ns at p sends on of the light of a ball of radiance 1, in nits. A light that holds
-// p or lies below the horizon gives nothing; spheres that hold p or lie behind the light cast no shadow, so that the
-// light itself may be among them.
+// What a surface with shading normal ns at p sends on of the light of a sphere of radiance 1, in nits. A light that
+// holds p or lies below the horizon gives nothing; spheres that hold p or lie behind the light cast no shadow, so that
+// the light itself may be among them.
 Rgb lobe_light(const LobeTable& table, const Sphere& light, const SphereGroups& occluders, const V3f& p, const V3f& ns,
                const ReflectanceLobes& reflectance, const LobeLightParams& params);
 

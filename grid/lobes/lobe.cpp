@@ -9,15 +9,10 @@
 //   e = 2/h - 2 = 2 c/(1 - c),   s = (e + 1) h = 2 - h = 1 + c.
 //
 // So neither fit nor table is needed; the lobe stands twice as high as a small cap and is half as wide. A scale of 1
-// with an exponent fitted by least squares (eq. 32-34) would lose half the vector moment's second order: a light
-// of 30 degrees would come out 7 % too dark on a matt surface, where this is exact.
+// with an exponent fitted by least squares (eq. 32-34) would lose half the vector moment's second order: a light of 30
+// degrees would come out 7 % too dark on a matt surface, where this is exact.
 
 namespace ivory {
-
-float eval_lobe(const Lobe& lobe, const V3f& w) {
-  const float cosine = lobe.axis.dot(w);
-  return cosine > 0 ? lobe.scale * std::pow(cosine, lobe.exponent) : 0.0F;
-}
 
 float lobe_integral(const Lobe& lobe) { return 2 * pi * lobe.scale / (lobe.exponent + 1); }
 

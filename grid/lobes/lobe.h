@@ -1,6 +1,6 @@
-// Cosine lobes: s max(a.w, 0)^e around a unit axis a, the one kind of function that light, reflectance and
-// visibility are written in ("Solving the rendering equation with cosine lobes", technical report, XLIM laboratory);
-// closed forms and moments stand where the report fits and tabulates.
+// Cosine lobes: s max(a.w, 0)^e around a unit axis a, the one kind of function that light, reflectance and visibility
+// are written in ("Solving the rendering equation with cosine lobes", technical report, XLIM laboratory); closed forms
+// and moments stand where the report fits and tabulates.
 //
 // All pure functions on floats, to be mirrored line by line on a GPU.
 #pragma once
@@ -18,14 +18,12 @@ struct Lobe {
 // The exponents that products are tabulated for.
 inline constexpr float max_lobe_exponent = 100000.0F;
 
-float eval_lobe(const Lobe& lobe, const V3f& w);
-
 // 2 pi s / (e + 1): over the whole sphere.
 float lobe_integral(const Lobe& lobe);
 
-// The lobe of a cap (1 within `cos_half_angle` of the axis, 0 elsewhere; 0 to 1) with the cap's solid angle and
-// the cap's vector moment, which is what a Lambert surface sees of it. Caps narrower than the largest
-// exponent's keep their solid angle.
+// The lobe of a cap (1 within `cos_half_angle` of the axis, 0 elsewhere; 0 to 1) with the cap's solid angle and the
+// cap's vector moment, which is what a Lambert surface sees of it. Caps narrower than the largest exponent's keep their
+// solid angle.
 Lobe cap_lobe(const V3f& axis, float cos_half_angle);
 
 // The same from 1 - cos(half angle), which for small caps is the better conditioned number.

@@ -13,9 +13,9 @@
 //   J = int prod_i cos^e_i(theta - theta_i) dtheta over the arc where all cosines are positive.
 //
 // For two lobes J = |a1 + a2|^(E+1) B(e1+1, e2+1) 2F1((1+d)/2, (1-d)/2; (E+3)/2; cos^2(alpha/2)), d = e1 - e2; its
-// series cancels for large d, and the vector moment needs more than J, so J is integrated numerically: its
-// logarithm is concave, which brackets it, and what is left on the bracket is smooth but for algebraic ends, the
-// case that tanh-sinh quadrature (Takahasi & Mori 1974) was made for.
+// series cancels for large d, and the vector moment needs more than J, so J is integrated numerically: its logarithm is
+// concave, which brackets it, and what is left on the bracket is smooth but for algebraic ends, the case that tanh-sinh
+// quadrature (Takahasi & Mori 1974) was made for.
 
 namespace ivory {
 

@@ -9,8 +9,8 @@
 #include "grid/lobes/moments.h"
 
 // Laplace's method gives a guess with every property of the product but a few per cent. In the plane of the axes the
-// product peaks where e1 tan(d1) = e2 tan(d2), d1 + d2 = alpha. With A = sin(d1) cos(d2), B = cos(d1) sin(d2) and
-// q = cos(d1) cos(d2) that is solved in closed form, N = e1 + e2, y = cos(alpha):
+// product peaks where e1 tan(d1) = e2 tan(d2), d1 + d2 = alpha. With A = sin(d1) cos(d2), B = cos(d1) sin(d2) and q =
+// cos(d1) cos(d2) that is solved in closed form, N = e1 + e2, y = cos(alpha):
 //
 //   A = sin(alpha) e2/N,  B = sin(alpha) e1/N,  q^2 - y q - A B = 0,  tan(d1) = A/q,  tan(d2) = B/q.
 //

@@ -16,8 +16,8 @@ struct LobeTableParams {
   int angle_nodes = 65;     // 2 to 513
 };
 
-// Three numbers a node, smooth because a closed-form guess is taken out of them (see lobe_table.cpp). Order:
-// [node of e1][node of e2][node of the angle][channel].
+// Three numbers a node, smooth because a closed-form guess is taken out of them (see table.cpp). Order: [node of
+// e1][node of e2][node of the angle][channel].
 struct LobeTable {
   static constexpr int channels = 3;
   int exponent_nodes = 0;
@@ -38,8 +38,8 @@ float lobe_product_integral(const LobeTable& table, const Lobe& a, const Lobe& b
 
 // How far the look-up is from the moments it stands for: `samples` pairs with exponents uniform in log(1 + 4 e), the
 // table's own axis, and uniform angles, of unit scale. Deterministic. Errors of the integral are absolute, as a
-// fraction of the largest integral of two lobes with these exponents (that at angle 0) and of the true integral,
-// where that is above 1e-6 of the largest one; the axis' in units of the product's own width 1/sqrt(e + 1).
+// fraction of the largest integral of two lobes with these exponents (that at angle 0) and of the true integral, where
+// that is above 1e-6 of the largest one; the axis' in units of the product's own width 1/sqrt(e + 1).
 struct LobeTableErrors {
   struct Distribution {
     double mean = 0;

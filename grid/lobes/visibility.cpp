@@ -195,24 +195,6 @@ ShadowMask make_shadow_mask(const Sphere& light, const LightCap& cap, const V3f&
   return mask;
 }
 
-float lit_fraction(const ShadowMask& mask, const LightCap& cap) {
-  if (!mask.any) return 1;
-  const BlockTable& table = block_table();
-  const int n = 1 << mask.depth;
-  const float t2 = cap.tan_half * cap.tan_half;
-  float lit = 0;
-  float sum = 0;
-  for (int j = 0; j < n; ++j) {
-    for (int i = 0; i < n; ++i) {
-      const MaskBlock& block = table.blocks[std::size_t(level_offset(mask.depth) + j * n + i)];
-      const float height = block_height(block, t2);
-      sum += height;
-      if ((mask.rows[std::size_t(j)] >> unsigned(i) & 1U) == 0) lit += height;
-    }
-  }
-  return lit / sum;
-}
-
 namespace {
 
 // Each bit twice, from the low 16 bits.

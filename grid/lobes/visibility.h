@@ -1,5 +1,5 @@
-// How spheres hide a spherical light: a mask over the light's cap, and the mask's quad-tree, whose leaves are
-// cosine lobes.
+// How spheres hide a spherical light: a mask over the light's cap, and the mask's quad-tree, whose leaves are cosine
+// lobes.
 #pragma once
 
 #include <array>
@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "grid/base/names.h"
 #include "grid/lobes/lobe.h"
 #include "grid/lobes/sphere_set.h"
 
@@ -39,6 +40,10 @@ enum class MaskRule {
   inside,  // all of it ("aggressive" in the report): too bright
   touched  // any of it ("conservative"): too dark
 };
+template <>
+inline constexpr auto name_table<MaskRule> = make_name_table<MaskRule>("mask", {{MaskRule::center, "center"},
+                                                                                {MaskRule::inside, "inside"},
+                                                                                {MaskRule::touched, "touched"}});
 
 // A block of the square: its part of the disc. Solid angle over 2 pi is 4 t2 area/((1 + t2 a)(1 + t2 b))/(2 pi) and 1 -
 // mean cosine to the centroid's direction 2 t2 variance/((1 + t2 a)(1 + t2 b)), t2 = tan_half^2.
@@ -53,21 +58,18 @@ struct MaskBlock {
 // All blocks: level l has 4^l, row by row, from (4^l - 1)/3 on.
 std::span<const MaskBlock> mask_blocks();
 
-// 2^depth rows of 2^depth cells over the square around the cap; bit i of row j is the cell at
-// x = (i + 1/2) 2/size - 1, y likewise, where the cap is the unit disc.
+// 2^depth rows of 2^depth cells over the square around the cap; bit i of row j is the cell at x = (i + 1/2) 2/size - 1,
+// y likewise, where the cap is the unit disc.
 struct ShadowMask {
   int depth = 0;
   bool any = false;  // of the spheres reaches into the cap; otherwise rows are not set
   std::array<std::uint32_t, max_mask_size> rows;
 };
 
-// Splats the spheres that hide some of `light` from p: those nearer than it that do not hold p.
-// depth from 0 to max_mask_depth.
+// Splats the spheres that hide some of `light` from p: those nearer than it that do not hold p. depth from 0 to
+// max_mask_depth.
 ShadowMask make_shadow_mask(const Sphere& light, const LightCap& cap, const V3f& p, std::span<const Sphere> spheres,
                             int depth, MaskRule rule = MaskRule::center);
-
-// The fraction of the cap's solid angle that the mask leaves lit, by cells.
-float lit_fraction(const ShadowMask& mask, const LightCap& cap);
 
 // A block of the quad-tree that is dark or lit throughout while its parent is neither, or is on the least level.
 // spread_lobe(axis, height, spread) is the leaf's lobe. Without initial values: a shaded point's list of a thousand is

@@ -45,7 +45,7 @@ int bind(const GpuLocalizedCube& cube, gl::Program& program, int first_unit) {
 AmbientSource ambient(const GpuLocalizedCube& cube, CubeMethod method) {
   std::string shader;
   if (method != CubeMethod::polygon)
-    shader = "#define IVORY_CUBEMAP_METHOD ivory_cube_" + std::string(name(method)) + "\n";
+    shader = "#define IVORY_CUBEMAP_METHOD ivory_cube_" + std::string(name_of(method)) + "\n";
   return {shader + "#include \"ambient/cubemap.glsl\"\n",
           [&cube](gl::Program& program, int first_unit) { return bind(cube, program, first_unit); }};
 }

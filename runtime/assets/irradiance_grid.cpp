@@ -44,7 +44,7 @@ Choices choose(const GpuGrid& grid, const GridReadParams& params) {
 
 GpuGrid upload(const IrradianceGrid& grid, const GridUploadParams& params, const std::string& what) {
   if (params.form == GridForm::norms_and_directions && grid.basis != Basis::vectors)
-    throw UsageError(fmt::format("norms and directions hold the basis vectors only, not {}", name(grid.basis)));
+    throw UsageError(fmt::format("norms and directions hold the basis vectors only, not {}", name_of(grid.basis)));
   gl::require_context();
   GpuGrid out;
   out.frame = grid.frame;

@@ -1,5 +1,5 @@
 // Radiance (nits) of a lat-long environment map towards the unit direction w. OpenEXR's layout: row 0 looks towards +Y,
-// u = 1/2 + atan(-x, z) / (2 pi). Twin of tracer/env/latlong_map.cpp. The map's texture has one level, repeats across
+// u = 1/2 + atan(-x, z) / (2 pi). Twin of grid/env/latlong_map.cpp. The map's texture has one level, repeats across
 // and is clamped at the poles; with the nearest filter it is what the tracer reads.
 #include "base/pi.glsl"
 

@@ -13,6 +13,7 @@
 
 #include "grid/base/error.h"
 #include "grid/io/difmap.h"
+#include "grid/io/json.h"
 #include "grid/io/sh9.h"
 #include "tests/support/paths.h"
 
@@ -55,6 +56,7 @@ TEST_F(EnvironmentAssets, Sh9ComesBack) {
   const Sh9Asset asset = random_asset();
   write_sh9(path("a.json"), asset, false);
   EXPECT_THROW(write_sh9(path("a.json"), asset, false), Error);
+  EXPECT_EQ(json_asset_kind(path("a.json")), "sh9");
   const Sh9Asset back = read_sh9(path("a.json"));
   EXPECT_EQ(back.sh.coefficients, asset.sh.coefficients);
   EXPECT_EQ(back.order, 2);

@@ -9,6 +9,7 @@
 
 #include "grid/base/error.h"
 #include "grid/io/exr.h"
+#include "grid/io/json.h"
 #include "grid/io/sphere_set.h"
 #include "tests/support/paths.h"
 
@@ -62,7 +63,7 @@ TEST(SpheresFile, KeepsEveryBit) {
   set.spheres = {{V3f(0.1F, -3e-7F, 1e8F), 1e-5F}, {V3f(1.0F / 3, 2, 3), 0.7F}};
   set.metadata = {{"mesh", std::string("a \"quoted\" name\n")}, {"count", std::int64_t(2)}, {"volume_outside", 0.25}};
   write_spheres(path_of("set.json"), set, true);
-  EXPECT_TRUE(is_sphere_set(path_of("set.json")));
+  EXPECT_EQ(json_asset_kind(path_of("set.json")), "spheres");
   const SphereSet read = read_spheres(path_of("set.json"));
   ASSERT_EQ(read.spheres.size(), 2U);
   for (std::size_t i = 0; i < 2; ++i) {
@@ -85,8 +86,9 @@ TEST(SpheresFile, RefusesWhatIsNoSphereSet) {
   }
   EXPECT_THROW(read_spheres(path_of("absent.json")), Error);
   EXPECT_THROW(read_spheres(output_folder), Error);
-  EXPECT_FALSE(is_sphere_set(path_of("absent.json")));
-  EXPECT_FALSE(is_sphere_set(path_of("bad.json")));
+  EXPECT_EQ(json_asset_kind(path_of("absent.json")), "");
+  EXPECT_EQ(json_asset_kind(path_of("bad.json")), "");
+  EXPECT_EQ(json_asset_kind(output_folder), "");
 }
 
 }  // namespace

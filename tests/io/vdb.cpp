@@ -33,13 +33,14 @@ void expect_same_frame(const GridFrame& a, const GridFrame& b) {
 class VdbGrid : public testing::TestWithParam<Basis> {};
 
 TEST_P(VdbGrid, ReadsBackWhatWasWritten) {
-  const std::string path = scratch_folder("vdb_grid_" + std::string(name(GetParam()))) / "grid.vdb";
+  const std::string path = scratch_folder("vdb_grid_" + std::string(name_of(GetParam()))) / "grid.vdb";
   for (const bool guarded : {true, false}) {
     const IrradianceGrid out = random_grid(7, GetParam(), guarded);
     write_vdb(path, out, true);
     const IrradianceGrid in = read_grid_vdb(path);
     expect_same_frame(in.frame, out.frame);
     EXPECT_EQ(in.basis, out.basis);
+    EXPECT_EQ(in.light, out.light);
     EXPECT_EQ(in.visible_fraction, out.visible_fraction);
     EXPECT_EQ(in.variance, out.variance);
     EXPECT_EQ(in.guard, out.guard);
@@ -63,7 +64,7 @@ TEST_P(VdbGrid, ReadsBackWhatWasWritten) {
 }
 
 TEST_P(VdbGrid, SameContentGivesTheSameBytes) {
-  const auto folder = scratch_folder("vdb_bytes_" + std::string(name(GetParam())));
+  const auto folder = scratch_folder("vdb_bytes_" + std::string(name_of(GetParam())));
   write_vdb(folder / "a.vdb", random_grid(3, GetParam()), false);
   write_vdb(folder / "b.vdb", random_grid(3, GetParam()), false);
   write_vdb(folder / "c.vdb", random_grid(4, GetParam()), false);
@@ -72,16 +73,16 @@ TEST_P(VdbGrid, SameContentGivesTheSameBytes) {
 }
 
 INSTANTIATE_TEST_SUITE_P(AllBases, VdbGrid, testing::ValuesIn(all_bases),
-                         [](const auto& test) { return std::string(name(test.param)); });
+                         [](const auto& test) { return std::string(name_of(test.param)); });
 
 TEST(VdbSums, ReadBackWhatWasWritten) {
   const std::string path = scratch_folder("vdb_sums") / "part.vdb";
   for (const Basis basis : all_bases) {
     for (const Estimator estimator : {Estimator::track, Estimator::face, Estimator::face_paper}) {
       if (estimator != Estimator::track && basis != Basis::vectors) continue;
-      const GridSums out = random_sums(11, basis, estimator);
+      const GridAccumulator out = random_sums(11, basis, estimator);
       write_vdb(path, out, true);
-      const GridSums in = read_sums_vdb(path);
+      const GridAccumulator in = read_accumulator_vdb(path);
       expect_same_frame(in.frame, out.frame);
       EXPECT_EQ(in.basis, out.basis);
       EXPECT_EQ(in.estimator, out.estimator);
@@ -101,11 +102,11 @@ TEST(VdbSums, ReadBackWhatWasWritten) {
 // A part may hold sums at a vertex that sees nothing; they must not get lost.
 TEST(VdbSums, KeepSumsOfBlindVertices) {
   const std::string path = scratch_folder("vdb_sums_blind") / "part.vdb";
-  GridSums out = random_sums(12, Basis::sh4, Estimator::track);
+  GridAccumulator out = random_sums(12, Basis::sh4, Estimator::track);
   out.visible_fraction.assign(out.visible_fraction.size(), 0);
   out.guard.clear();
   write_vdb(path, out, true);
-  EXPECT_EQ(read_sums_vdb(path).sums, out.sums);
+  EXPECT_EQ(read_accumulator_vdb(path).sums, out.sums);
 }
 
 TEST(VdbFile, RefusesTheOtherKind) {
@@ -113,7 +114,7 @@ TEST(VdbFile, RefusesTheOtherKind) {
   write_vdb(folder / "grid.vdb", random_grid(1, Basis::sh4), false);
   write_vdb(folder / "part.vdb", random_sums(1, Basis::sh4, Estimator::track), false);
   EXPECT_NE(error_of([&] { read_grid_vdb(folder / "part.vdb"); }).find("ivory merge"), std::string::npos);
-  EXPECT_NE(error_of([&] { read_sums_vdb(folder / "grid.vdb"); }).find("finished grid"), std::string::npos);
+  EXPECT_NE(error_of([&] { read_accumulator_vdb(folder / "grid.vdb"); }).find("finished grid"), std::string::npos);
 }
 
 TEST(VdbFile, OverwritesOnlyWhenForced) {
@@ -149,7 +150,7 @@ TEST(VdbFile, InfoTellsWhatItHolds) {
 
 void expect_refused(const std::string& path) {
   for (const auto& read :
-       {std::function<void()>([&] { read_grid_vdb(path); }), std::function<void()>([&] { read_sums_vdb(path); }),
+       {std::function<void()>([&] { read_grid_vdb(path); }), std::function<void()>([&] { read_accumulator_vdb(path); }),
         std::function<void()>([&] { read_vdb_info(path); })}) {
     const std::string message = error_of(read);
     ASSERT_TRUE(message.starts_with(path + ": ")) << message;

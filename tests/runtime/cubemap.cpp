@@ -142,8 +142,8 @@ void compare(CubeMethod method, int size, int kind) {
       worst = std::max(worst, double(std::abs(out[i][c] - e[c]) / scale));
       worst_edges = std::max(worst_edges, double(std::abs(slow[c] - e[c]) / scale));
       ASSERT_LT(std::abs(out[i][c] - e[c]) / scale, 1e-3F)
-          << name(method) << " size " << size << " kind " << kind << " p " << p - cube.origin_m << " n " << n << " gpu "
-          << out[i] << " cpu " << e;
+          << name_of(method) << " size " << size << " kind " << kind << " p " << p - cube.origin_m << " n " << n
+          << " gpu " << out[i] << " cpu " << e;
       ASSERT_LT(std::abs(slow[c] - e[c]) / scale, 1e-3F)
           << size << " " << kind << " " << p - cube.origin_m << " " << slow << " " << e;
     }

@@ -68,7 +68,7 @@ class RuntimeGrid : public GlTest, public testing::WithParamInterface<std::tuple
 
 std::string case_name(const testing::TestParamInfo<RuntimeGrid::ParamType>& info) {
   return std::string(std::get<0>(info.param) == Interpolation::trilinear ? "trilinear_" : "tricubic_") +
-         std::string(name(std::get<1>(info.param))) + (std::get<2>(info.param) ? "_rotated" : "");
+         std::string(name_of(std::get<1>(info.param))) + (std::get<2>(info.param) ? "_rotated" : "");
 }
 INSTANTIATE_TEST_SUITE_P(Lookups, RuntimeGrid,
                          testing::Combine(testing::Values(Interpolation::trilinear, Interpolation::tricubic),

@@ -104,7 +104,7 @@ TEST_F(RuntimeGridFile, BakedGridsLoseHalfRoundingOnlyAsMoments) {
       EXPECT_GT(added_by_norms, 2 * added) << scene;
       EXPECT_LT(added_by_norms, 0.1) << scene;
       std::printf("%s, guard %s: relative RMSE %.1e of moments, %.1e of norms and directions\n", scene,
-                  std::string(name(guard)).c_str(), added, added_by_norms);
+                  std::string(name_of(guard)).c_str(), added, added_by_norms);
     }
   }
 }

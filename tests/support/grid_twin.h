@@ -133,9 +133,7 @@ inline LookupMargin margin(const IrradianceGrid& grid, Guard guard, const V3f& n
     float kept = 0;
     for (std::size_t i = 0; i < std::size_t(f.count); ++i) {
       const std::uint32_t vertex = f.vertex[i];
-      const V3f at(float(vertex % std::uint32_t(grid.frame.size.x)),
-                   float(vertex / std::uint32_t(grid.frame.size.x) % std::uint32_t(grid.frame.size.y)),
-                   float(vertex / std::uint32_t(grid.frame.size.x * grid.frame.size.y)));
+      const V3f at(grid.frame.vertex_coordinates(vertex));
       const float hidden = guard == Guard::planes ? hidden_by(grid.guard[vertex], index - at) : -1;
       const float weight = f.weight[i] * vertex_trust(grid.visible_fraction[vertex]);
       if (weight > 0 && std::abs(hidden) < closest_voxels) out.undecided = true;
@@ -152,12 +150,12 @@ inline LookupMargin margin(const IrradianceGrid& grid, Guard guard, const V3f& n
   // Nothing is seen: the least hidden entry must be so by a margin, and hold some weight by one.
   if (guard == Guard::planes && out.kept < 1e-4F) {
     Footprint f = make_footprint(grid.frame, nudged, interpolation);
-    const std::uint64_t least = least_hidden_by_guard(grid, nudged, f);
+    const VisibleEntries least = least_hidden_by_guard(grid, nudged, f);
     for (std::size_t i = 0; i < std::size_t(f.count); ++i) {
       const float weight = f.weight[i] * vertex_trust(grid.visible_fraction[f.vertex[i]]);
-      if (((least >> i) & 1U) != 0 && weight < 2e-4F) out.undecided = true;
+      if (least[i] && weight < 2e-4F) out.undecided = true;
       // A vertex repeated beyond the border, or one of tiny weight, may tie.
-      if (((least >> i) & 1U) == 0 && weight > 0 && weight < 2e-4F) out.undecided = true;
+      if (!least[i] && weight > 0 && weight < 2e-4F) out.undecided = true;
     }
     out.kept = 1;
   }

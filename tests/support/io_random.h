@@ -53,6 +53,7 @@ inline IrradianceGrid random_grid(std::uint32_t seed, Basis basis, bool guarded 
   IrradianceGrid grid;
   grid.frame = random_frame(rng);
   grid.basis = basis;
+  if (seed % 2 == 1) grid.light = StoredLight::direct_and_indirect;
   const std::size_t count = grid.frame.vertex_count();
   grid.visible_fraction = random_visibility(rng, count);
   if (guarded) grid.guard = random_guard(rng, grid.visible_fraction);
@@ -67,10 +68,10 @@ inline IrradianceGrid random_grid(std::uint32_t seed, Basis basis, bool guarded 
   return grid;
 }
 
-inline GridSums random_sums(std::uint32_t seed, Basis basis, Estimator estimator) {
+inline GridAccumulator random_sums(std::uint32_t seed, Basis basis, Estimator estimator) {
   std::mt19937 rng(seed);
   std::mt19937_64 bits(seed);
-  GridSums sums;
+  GridAccumulator sums;
   sums.frame = random_frame(rng);
   sums.basis = basis;
   sums.estimator = estimator;

@@ -92,7 +92,7 @@ V3d slope_irradiance(const V3d& n) {
 TEST_F(EnvironmentTools, EveryLayoutBakesTheSameIrradiance) {
   const std::vector<V3d> normals{{0, 1, 0}, {0, -1, 0}, {1, 0, 0}, {0.6, 0, -0.8}};
   for (const EnvironmentLayout layout : all_layouts) {
-    const std::string label(name(layout));
+    const std::string label(name_of(layout));
     write(label + ".exr", layout, 64, slope);
     const Json sh9 = run("bake sh9 " + path(label + ".exr") + " -o " + path(label + ".json"));
     EXPECT_EQ(sh9["layout"], label);
@@ -134,7 +134,8 @@ TEST_F(EnvironmentTools, ProbesEnvironmentMapsThemselves) {
     ASSERT_EQ(e.size(), normals.size());
     for (std::size_t i = 0; i < normals.size(); ++i) {
       // Texels of 1/32 of a right angle: 4e-4 of the slope.
-      for (int c = 0; c < 3; ++c) EXPECT_NEAR(e[i][c] / slope_irradiance(normals[i])[c], 1, 8e-4) << name(layout) << i;
+      for (int c = 0; c < 3; ++c)
+        EXPECT_NEAR(e[i][c] / slope_irradiance(normals[i])[c], 1, 8e-4) << name_of(layout) << i;
     }
   }
   const Json json = run("probe " + path("map.exr") + " --points " + path("p.csv") + " -o " + path("e.csv"));
@@ -185,7 +186,7 @@ TEST_F(EnvironmentTools, TheSameCommandGivesTheSameBytes) {
 TEST_F(EnvironmentTools, ScenesAcceptEveryLayout) {
   const std::string scene = std::string(source_folder) + "/scenes/leak_axis.gltf";
   for (const EnvironmentLayout layout : {EnvironmentLayout::latlong, EnvironmentLayout::horizontal_cross}) {
-    const std::string label(name(layout));
+    const std::string label(name_of(layout));
     write(label + ".exr", layout, 32, slope);
     run("bake grid " + scene + " --env " + path(label + ".exr") + " --layout " + label +
         " --resolution 4 --photons 2k --direct -o " + path(label + ".vdb"));
@@ -226,7 +227,7 @@ TEST_F(EnvironmentTools, DifMapIsWhatThePathTracerFindsFarFromEverything) {
       for (std::size_t c = 6; c < 9; ++c) {
         // 36 comparisons at 5 standard errors: a false alarm in 5e4 runs. The map's own interpolation and the
         // resampling move texels by a fraction of their width: 0.5 % of E.
-        EXPECT_NEAR(map[i][c], traced[i][c], 5 * traced[i][c + 3] + 5e-3 * map[i][c]) << name(layout) << i;
+        EXPECT_NEAR(map[i][c], traced[i][c], 5 * traced[i][c + 3] + 5e-3 * map[i][c]) << name_of(layout) << i;
         EXPECT_GT(traced[i][c + 3], 0);
         EXPECT_LT(traced[i][c + 3], 0.05 * traced[i][c]);
       }

@@ -11,6 +11,7 @@
 
 #include "grid/base/error.h"
 #include "grid/cubemap/captured.h"
+#include "grid/io/json.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/cli/dynamic_objects.h"
@@ -63,7 +64,7 @@ std::vector<std::string> judge(const BakeCubemapOptions& options, const Capture&
 void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& common) {
   if (options.capture % options.size != 0)
     throw UsageError(fmt::format("--size {} does not divide --capture {}", options.size, options.capture));
-  const ShellFit shell = shell_fit_from_name(options.shell);
+  const ShellFit shell = from_name<ShellFit>(options.shell);
   check_output(options.output, ".exr", common);
   const auto input = load_scene_input(options.scene, options.environment, common, [&](Scene& scene) {
     for (const std::string& node : options.without) remove_node(scene, node);
@@ -122,7 +123,7 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& co
   result["output"] = options.output;
   result["position_m"] = {shortest(options.at.x), shortest(options.at.y), shortest(options.at.z)};
   result["size"] = options.size;
-  for (const auto& [key, value] : cube.metadata) std::visit([&, &k = key](const auto& v) { result[k] = v; }, value);
+  result.update(to_json(cube.metadata));
   result["mean_radiance_nits"] = {mean.x, mean.y, mean.z};
   result["nearest_m"] = nearest > 0 ? 1 / nearest : 0.0;
   result["sky_share"] = capture.sky_share;

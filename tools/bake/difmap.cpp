@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "grid/base/error.h"
+#include "grid/env/irradiance.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/cli/environment_input.h"
-#include "tracer/env/irradiance.h"
 
 namespace ivory {
 
@@ -51,7 +51,7 @@ void run_bake_difmap(const BakeDifmapOptions& options, const CommonOptions& comm
       common,
       {{"file", options.output},
        {"kind", "difmap"},
-       {"layout", name(input.image.layout)},
+       {"layout", name_of(input.image.layout)},
        {"size", options.size},
        {"total_radiance", {total.x, total.y, total.z}},
        {"error_bound", bound},

@@ -11,12 +11,15 @@
 
 #include "grid/base/error.h"
 #include "grid/base/memory.h"
+#include "grid/env/environment_image.h"
+#include "grid/env/latlong_map.h"
+#include "grid/io/environment.h"
+#include "grid/io/json.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/cli/environment_input.h"
 #include "tools/cli/scene_input.h"
 #include "tracer/bake/fiv/baker.h"
-#include "tracer/env/latlong_map.h"
 #include "tracer/gltf/loader.h"
 
 namespace ivory {
@@ -83,7 +86,7 @@ void run_bake_fiv(const BakeFivOptions& options, const CommonOptions& common) {
   m["silhouette_pixels"] = std::int64_t(params.silhouette_pixels);
   m["fit"] = std::string(params.fit ? "least squares" : "none");
   m["units"] = std::string("lux");
-  const ExrPrecision precision = options.precision == "float32" ? ExrPrecision::float32 : ExrPrecision::float16;
+  const ExrPrecision precision = from_name<ExrPrecision>(options.precision);
   write_fiv(options.output, table, precision, common.force);
 
   const std::uint64_t bytes = table.values.size() * (precision == ExrPrecision::float32 ? 4 : 2);
@@ -98,7 +101,7 @@ void run_bake_fiv(const BakeFivOptions& options, const CommonOptions& common) {
   result["radii"] = nlohmann::ordered_json::array();
   for (const float r : table.radii) result["radii"].push_back(shortest(r));
   result["coverage"] = shortest(table.coverage);
-  for (const auto& [key, value] : table.metadata) std::visit([&, &k = key](const auto& v) { result[k] = v; }, value);
+  result.update(to_json(table.metadata));
   result["seconds"] = seconds;
   result["warnings"] = loaded.warnings;
   print_result(

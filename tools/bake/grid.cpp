@@ -55,9 +55,9 @@ Box3f parse_bounds(const std::string& text) {
 
 void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) {
   GridBakeParams params = options.params;
-  params.basis = basis_from_name(options.basis);
-  params.estimator = estimator_from_name(options.estimator);
-  params.guard = guard_from_name(options.guard);
+  params.basis = from_name<Basis>(options.basis);
+  params.estimator = from_name<Estimator>(options.estimator);
+  params.guard = from_name<Guard>(options.guard);
   params.seed = options.seed;
   if (!options.dynamic.empty()) params.dynamic_regions = parse_regions(options.dynamic);
   params.threads = thread_count(common);
@@ -76,7 +76,7 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
     params.threads = threads;
   }
   const auto start = std::chrono::steady_clock::now();
-  GridSums sums = [&] {
+  GridAccumulator sums = [&] {
     Progress progress(common, "baking", "photons");
     progress.note(fmt::format("{}x{}x{} vertices, {:.4g} x {:.4g} x {:.4g} m apart; finding what each sees",
                               frame.size.x, frame.size.y, frame.size.z, frame.spacing_m.x, frame.spacing_m.y,

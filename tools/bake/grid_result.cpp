@@ -6,25 +6,23 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "grid/field/resolve.h"
+#include "grid/io/json.h"
 #include "grid/io/vdb/vdb.h"
 
 namespace ivory {
 
-using Json = nlohmann::ordered_json;
-
 namespace {
 
-std::uint64_t whole_photons(const GridSums& sums) {
-  const auto found = sums.metadata.find("photons");
-  const auto* count = found == sums.metadata.end() ? nullptr : std::get_if<std::int64_t>(&found->second);
-  return count == nullptr ? 0 : std::uint64_t(*count);
+std::uint64_t whole_photons(const GridAccumulator& accumulator) {
+  return std::uint64_t(find_int(accumulator.metadata, "photons").value_or(0));
 }
 
 // Fractions of the power emitted; nothing where no ledger was kept.
-Json ledger_json(const GridSums& sums) {
+Json ledger_json(const GridAccumulator& accumulator) {
   const auto counter = [&](const char* counter_name) {
-    const auto found = sums.counters.find(counter_name);
-    return found == sums.counters.end() ? 0.0 : static_cast<double>(found->second);
+    const auto found = accumulator.counters.find(counter_name);
+    return found == accumulator.counters.end() ? 0.0 : static_cast<double>(found->second);
   };
   const double emitted = counter("ledger_emitted");
   if (!(emitted > 0)) return nullptr;
@@ -34,28 +32,31 @@ Json ledger_json(const GridSums& sums) {
 }
 
 // Bytes a stored vertex of what look-ups read: moments, visible fraction, compact guard.
-std::int64_t bytes_read(const GridSums& sums) {
-  return std::int64_t(function_count(sums.basis)) * 3 * std::int64_t(sizeof(float)) + std::int64_t(sizeof(float)) +
-         (sums.guard.empty() ? 0 : std::int64_t(sizeof(GuardRecord)));
+std::int64_t bytes_read(const GridAccumulator& accumulator) {
+  return std::int64_t(function_count(accumulator.basis)) * 3 * std::int64_t(sizeof(float)) +
+         std::int64_t(sizeof(float)) + (accumulator.guard.empty() ? 0 : std::int64_t(sizeof(GuardRecord)));
 }
 
 }  // namespace
 
-bool is_whole(const GridSums& sums) { return sums.photon_begin == 0 && sums.photon_end == whole_photons(sums); }
+bool is_whole(const GridAccumulator& accumulator) {
+  return accumulator.photon_begin == 0 && accumulator.photon_end == whole_photons(accumulator);
+}
 
-Json write_result(const std::string& path, const GridSums& sums, bool finished, const CommonOptions& common) {
+Json write_result(const std::string& path, const GridAccumulator& accumulator, bool finished,
+                  const CommonOptions& common) {
   if (finished) {
-    IrradianceGrid grid = finish(sums);
-    grid.metadata["photon_begin"] = std::int64_t(sums.photon_begin);
-    grid.metadata["photon_end"] = std::int64_t(sums.photon_end);
-    for (const auto& [key, value] : sums.counters) grid.metadata[key] = value;
+    IrradianceGrid grid = resolve(accumulator);
+    grid.metadata["photon_begin"] = std::int64_t(accumulator.photon_begin);
+    grid.metadata["photon_end"] = std::int64_t(accumulator.photon_end);
+    for (const auto& [key, value] : accumulator.counters) grid.metadata[key] = value;
     write_vdb(path, grid, common.force);
   } else {
-    write_vdb(path, sums, common.force);
+    write_vdb(path, accumulator, common.force);
   }
-  const GridFrame& frame = sums.frame;
-  const auto stored =
-      std::count_if(sums.visible_fraction.begin(), sums.visible_fraction.end(), [](float f) { return f > 0; });
+  const GridFrame& frame = accumulator.frame;
+  const auto stored = std::count_if(accumulator.visible_fraction.begin(), accumulator.visible_fraction.end(),
+                                    [](float f) { return f > 0; });
   Json result{{"file", path},
               {"kind", finished ? "grid" : "sums"},
               {"bytes", std::filesystem::file_size(path)},
@@ -64,12 +65,13 @@ Json write_result(const std::string& path, const GridSums& sums, bool finished, 
               {"origin_m", {shortest(frame.origin_m.x), shortest(frame.origin_m.y), shortest(frame.origin_m.z)}},
               {"vertices", frame.vertex_count()},
               {"vertices_stored", stored},
-              {"memory_bytes", stored * bytes_read(sums)},
-              {"photons", whole_photons(sums)},
-              {"photon_range", {sums.photon_begin, sums.photon_end}},
-              {"energy", ledger_json(sums)}};
-  for (const auto& [key, value] : sums.metadata)
-    std::visit([&, &meta_key = key](const auto& v) { result["parameters"][meta_key] = v; }, value);
+              {"memory_bytes", stored * bytes_read(accumulator)},
+              {"photons", whole_photons(accumulator)},
+              {"photon_range", {accumulator.photon_begin, accumulator.photon_end}},
+              {"energy", ledger_json(accumulator)}};
+  Metadata parameters = accumulator.metadata;
+  parameters["light"] = std::string(name_of(accumulator.light));
+  result["parameters"] = to_json(parameters);
   return result;
 }
 

@@ -11,11 +11,11 @@
 namespace ivory {
 
 // True where the sums hold every photon of the bake they belong to.
-bool is_whole(const GridSums& sums);
+bool is_whole(const GridAccumulator& accumulator);
 
 // Writes the finished grid, or, unless `finished`, the sums themselves, and describes what was
 // written. Equal sums give equal files.
-nlohmann::ordered_json write_result(const std::string& path, const GridSums& sums, bool finished,
+nlohmann::ordered_json write_result(const std::string& path, const GridAccumulator& accumulator, bool finished,
                                     const CommonOptions& common);
 
 // The same for people: whole lines.

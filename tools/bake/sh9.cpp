@@ -8,10 +8,10 @@
 #include <nlohmann/json.hpp>
 
 #include "grid/base/error.h"
+#include "grid/env/irradiance.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/cli/environment_input.h"
-#include "tracer/env/irradiance.h"
 
 namespace ivory {
 
@@ -54,7 +54,7 @@ Sh9Asset make_asset(const Sh9& whole, int order, const std::string& window, cons
 }
 
 void run_bake_sh9(const BakeSh9Options& options, const Command& command, const CommonOptions& common) {
-  const Sh9Dialect dialect = sh9_dialect_from_name(options.dialect);
+  const Sh9Dialect dialect = from_name<Sh9Dialect>(options.dialect);
   const bool automatic = options.order == "auto";
   if (!automatic && command.get_option("--max-error").given()) throw UsageError("--max-error serves --order auto only");
   chosen_window(options.window, Sh9{});
@@ -81,8 +81,8 @@ void run_bake_sh9(const BakeSh9Options& options, const Command& command, const C
 
   nlohmann::ordered_json result{{"file", options.output},
                                 {"kind", "sh9"},
-                                {"dialect", name(dialect)},
-                                {"layout", name(input.image.layout)},
+                                {"dialect", name_of(dialect)},
+                                {"layout", name_of(input.image.layout)},
                                 {"order", asset.order},
                                 {"window", {1, asset.window.band1, asset.window.band2}},
                                 {"average_error", asset.error.average},

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "grid/base/error.h"
+#include "grid/io/json.h"
 #include "grid/io/sphere_set.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
@@ -62,7 +63,7 @@ void run(const BakeSpheresOptions& options, const CommonOptions& common) {
 
   nlohmann::ordered_json result;
   result["output"] = options.output;
-  for (const auto& [key, value] : m) std::visit([&, &k = key](const auto& v) { result[k] = v; }, value);
+  result.update(to_json(m));
   result["seconds"] = seconds;
   result["warnings"] = loaded.warnings;
   std::string human = fmt::format("{}: {} spheres, {} voxels along the longest side, {:.2f} s\n", options.output,

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "grid/field/resolve.h"
 #include "tools/bench/measure_lookup.h"
 #include "tools/bench/measure_tracer.h"
 #include "tools/cli/commands.h"
@@ -92,7 +93,7 @@ void run_lookup(const LookupBenchOptions& options, const CommonOptions& common) 
   bake.resolution = parse_size3("--resolution", options.resolution, 2);
   bake.photons = options.photons;
   bake.threads = thread_count(common);
-  const IrradianceGrid grid = finish(bake_grid_sums(lit, bake));
+  const IrradianceGrid grid = resolve(bake_grid_sums(lit, bake));
   LookupParams lookup;
   if (options.tricubic) lookup.interpolation = Interpolation::tricubic;
   const LookupBench bench = bench_lookup(grid, lit.intersector, lookup);

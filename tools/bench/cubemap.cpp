@@ -75,7 +75,7 @@ void run(const std::vector<std::string>& paths, const CommonOptions& common) {
     for (const CubeMethod method : methods) {
       const CubeReader reader = make_cube_reader(cube, method);
       const double ns = evaluation_ns(points, [&](const Point& point) { return irradiance(reader, point.p, point.n); });
-      const std::string key(name(method));
+      const std::string key(name_of(method));
       map[key + "_ns"] = ns;
       map[key + "_bytes"] = reader.bytes;
       text += fmt::format("  {:<13} {:>9.0f} ns  {:>9}\n", key, ns, format_bytes(reader.bytes));

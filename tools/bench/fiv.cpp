@@ -7,11 +7,13 @@
 #include <nlohmann/json.hpp>
 
 #include "grid/base/error.h"
+#include "grid/env/environment_image.h"
+#include "grid/env/latlong_map.h"
+#include "grid/io/environment.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/cli/environment_input.h"
 #include "tools/stability/measure_fiv.h"
-#include "tracer/env/latlong_map.h"
 #include "tracer/gltf/loader.h"
 
 namespace ivory {

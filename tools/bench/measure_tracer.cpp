@@ -11,6 +11,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "grid/field/resolve.h"
 #include "tracer/bake/field/baker.h"
 #include "tracer/bake/field/photon_deposit.h"
 #include "tracer/bake/field/vertex_visibility.h"
@@ -92,8 +93,8 @@ double replay(const Intersector& intersector, const std::vector<Ray>& rays, int 
 
 // Mean over the vertices that hold light of the variance of F and D, divided by the mean of their
 // squares, for one photon: measured over disjoint ranges of photons.
-double relative_variance(const PhotonTracer& tracer, const DepositTarget& empty, const GridSums& frame, TrackWalk walk,
-                         const TracerBenchParams& params, int threads) {
+double relative_variance(const PhotonTracer& tracer, const DepositTarget& empty, const GridAccumulator& frame,
+                         TrackWalk walk, const TracerBenchParams& params, int threads) {
   constexpr int parts = 16;
   std::vector<double> sum;
   std::vector<double> squares;
@@ -103,10 +104,10 @@ double relative_variance(const PhotonTracer& tracer, const DepositTarget& empty,
     std::int64_t rays = 0;
     trace_and_deposit(tracer, std::uint64_t(part) * photons, std::uint64_t(part + 1) * photons, &target, walk, threads,
                       rays);
-    GridSums sums = frame;
+    GridAccumulator sums = frame;
     sums.photon_end = photons;
     sums.sums = sums_by_vertex(target);
-    const IrradianceGrid grid = finish(sums);
+    const IrradianceGrid grid = resolve(sums);
     sum.resize(grid.moments.size());
     squares.resize(grid.moments.size());
     for (std::size_t i = 0; i < grid.moments.size(); ++i) {
@@ -185,7 +186,7 @@ TracerBench bench_tracer(const LitScene& lit, const TracerBenchParams& params) {
   bench.undeposited_ratio = median(bare_ratio);
   if (!speed_up.empty()) bench.two_thread_speed_up = median(speed_up);
 
-  GridSums shape;
+  GridAccumulator shape;
   shape.frame = frame;
   shape.visible_fraction = visible_fractions(masks);
   double exact_variance = 0;

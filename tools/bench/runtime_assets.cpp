@@ -2,12 +2,14 @@
 
 #include <cmath>
 
+#include "grid/env/environment_image.h"
+#include "grid/env/irradiance.h"
+#include "grid/env/latlong_map.h"
+#include "grid/field/resolve.h"
 #include "tracer/bake/cubemap/capture.h"
 #include "tracer/bake/field/baker.h"
 #include "tracer/bake/fiv/baker.h"
 #include "tracer/bake/spheres/fit.h"
-#include "tracer/env/irradiance.h"
-#include "tracer/env/latlong_map.h"
 
 namespace ivory {
 
@@ -52,7 +54,7 @@ RuntimeBenchAssets make_runtime_bench_assets(const Scene& object, const Environm
   GridBakeParams grid;
   grid.resolution = V3i(grid_side, grid_side, grid_side);
   grid.photons = 1'000'000;
-  out.grid = finish(bake_grid_sums(lit, grid));
+  out.grid = resolve(bake_grid_sums(lit, grid));
 
   CaptureParams capture;
   capture.size = 64;

@@ -10,9 +10,9 @@
 #include <nlohmann/json.hpp>
 #include <tbb/parallel_for.h>
 
+#include "grid/env/irradiance.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
-#include "tracer/env/irradiance.h"
 
 namespace ivory {
 

@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
+#include "grid/env/irradiance.h"
 #include "grid/io/difmap.h"
 #include "grid/io/sh9.h"
-#include "tracer/env/irradiance.h"
 
 namespace ivory {
 

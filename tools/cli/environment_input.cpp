@@ -11,7 +11,7 @@ Option add_layout_option(Command command, EnvironmentChoice& choice) {
       .add_option(
           "--layout",
           [&choice](const std::string& name) {
-            layout_from_name(name);
+            from_name<EnvironmentLayout>(name);
             choice.layout = name;
           },
           "How the map lays out the sphere: latlong 2:1, angular 1:1, vertical_cross 3:4, horizontal_cross 4:3,\n"
@@ -33,11 +33,11 @@ void add_environment_options(Command command, EnvironmentChoice& choice, const s
 
 EnvironmentInput load_environment_input(const EnvironmentChoice& choice) {
   std::optional<EnvironmentLayout> layout;
-  if (!choice.layout.empty()) layout = layout_from_name(choice.layout);
+  if (!choice.layout.empty()) layout = from_name<EnvironmentLayout>(choice.layout);
   EnvironmentInput input{load_environment_image(choice.path, layout), {}};
   input.origin["environment"] = std::filesystem::path(choice.path).filename().string();
   input.origin["environment_hash"] = file_hash(choice.path);
-  input.origin["environment_layout"] = std::string(name(input.image.layout));
+  input.origin["environment_layout"] = std::string(name_of(input.image.layout));
   return input;
 }
 

@@ -5,9 +5,10 @@
 #include <string>
 
 #include "grid/base/metadata.h"
+#include "grid/env/environment_image.h"
 #include "grid/env/layout.h"
+#include "grid/io/environment.h"
 #include "tools/cli/options.h"
-#include "tracer/env/image.h"
 
 namespace ivory {
 

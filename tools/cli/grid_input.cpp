@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
-#include "grid/io/vdb/vdb.h"
+#include "tools/cli/vdb_input.h"
 
 namespace ivory {
 
@@ -24,31 +24,28 @@ const std::vector<std::string>& grid_option_names() {
 }
 
 IrradianceGrid load_grid(const GridInputOptions& options, const SceneInput& input, const CommonOptions& common) {
-  IrradianceGrid grid = read_grid_vdb(options.grid);
-  const auto text = [&](const char* key) {
-    const auto found = grid.metadata.find(key);
-    const auto* value = found == grid.metadata.end() ? nullptr : std::get_if<std::string>(&found->second);
-    return value == nullptr ? std::string() : *value;
-  };
-  if (text("light") == "direct and indirect")
+  IrradianceGrid grid = load_grid_vdb(options.grid);
+  if (grid.light != StoredLight::indirect)
     throw Error(options.grid, "holds direct light, which rendering would count twice", "bake it without --direct");
   if (options.guard == "planes" && grid.guard.empty())
     throw Error(options.grid, "stores no guard planes", "bake it with --guard planes, or render with --guard rays");
   check_environment(options.grid, grid.metadata, input);
-  if (!text("scene_hash").empty() && text("scene_hash") != input.lit.scene->content_hash)
-    print_note(common, fmt::format("note: {} was baked from another scene ({})", options.grid, text("scene")));
+  if (const auto hash = find_text(grid.metadata, "scene_hash"); hash && *hash != input.lit.scene->content_hash) {
+    print_note(common, fmt::format("note: {} was baked from another scene ({})", options.grid,
+                                   find_text(grid.metadata, "scene").value_or("")));
+  }
   if (options.reconstruction == "paper" && grid.basis != Basis::vectors)
-    throw UsageError(
-        fmt::format("--reconstruction paper needs a grid of basis vectors, {} has {}", options.grid, name(grid.basis)));
+    throw UsageError(fmt::format("--reconstruction paper needs a grid of basis vectors, {} has {}", options.grid,
+                                 name_of(grid.basis)));
   return grid;
 }
 
 GridLight grid_light(const GridInputOptions& options, const IrradianceGrid& grid) {
   GridLight light;
   light.grid = &grid;
-  light.guard = guard_from_name(options.guard);
-  light.lookup.interpolation = options.interpolation == "tricubic" ? Interpolation::tricubic : Interpolation::trilinear;
-  light.lookup.reconstruction = reconstruction_from_name(options.reconstruction);
+  light.guard = from_name<Guard>(options.guard);
+  light.lookup.interpolation = from_name<Interpolation>(options.interpolation);
+  light.lookup.reconstruction = from_name<Reconstruction>(options.reconstruction);
   return light;
 }
 

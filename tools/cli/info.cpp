@@ -9,26 +9,18 @@
 #include "grid/io/difmap.h"
 #include "grid/io/exr.h"
 #include "grid/io/image_info.h"
+#include "grid/io/json.h"
 #include "grid/io/sh9.h"
 #include "grid/io/sphere_set.h"
-#include "grid/io/vdb/vdb.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/cli/file_kind.h"
 #include "tools/cli/scene_input.h"
+#include "tools/cli/vdb_input.h"
 
 namespace ivory {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
-
-Json json_of(const Metadata& metadata) {
-  Json json = Json::object();
-  for (const auto& [key, value] : metadata)
-    std::visit([&, &meta_key = key](const auto& v) { json[meta_key] = v; }, value);
-  return json;
-}
 
 template <typename Vector>
 Json vector_json(const Vector& v) {
@@ -37,7 +29,7 @@ Json vector_json(const Vector& v) {
 
 // Vectors and lists come as text from the file.
 Json vdb_json(const std::string& path) {
-  Json json = json_of(read_vdb_info(path));
+  Json json = to_json(load_vdb_info(path));
   for (auto& [key, value] : json.items()) {
     if (key == "size" || key == "origin_m" || key == "spacing_m" || key.starts_with("axis_")) {
       Json list = Json::parse(value.get<std::string>(), nullptr, /*allow_exceptions=*/false);
@@ -54,7 +46,7 @@ Json vdb_json(const std::string& path) {
 Json exr_asset_json(const std::string& path, const std::string& kind) {
   const ExrAsset asset = read_exr(path, kind, "bake it again");
   Json json{{"kind", kind}, {"width", asset.width}, {"height", asset.height}, {"channels", asset.channels}};
-  json.update(json_of(asset.metadata));
+  json.update(to_json(asset.metadata));
   for (const auto& [key, list] : asset.lists) {
     for (const float value : list) json[key].push_back(shortest(value));
   }
@@ -78,7 +70,7 @@ Json spheres_json(const std::string& path) {
   json["radius_max_m"] = shortest(largest);
   json["bounds_min_m"] = vector_json(box.min);
   json["bounds_max_m"] = vector_json(box.max);
-  json.update(json_of(set.metadata));
+  json.update(to_json(set.metadata));
   return json;
 }
 
@@ -134,7 +126,7 @@ Json sh9_json(const std::string& path) {
             {"maximum_error", asset.error.maximum},
             {"average_error_of_mean_irradiance", asset.error.average_of_mean_e()},
             {"maximum_error_of_mean_irradiance", asset.error.maximum_of_mean_e()}};
-  json.update(json_of(asset.metadata));
+  json.update(to_json(asset.metadata));
   Json coefficients = Json::array();
   for (const V3d& rgb : asset.sh.coefficients) coefficients.push_back({rgb.x, rgb.y, rgb.z});
   json["coefficients"] = std::move(coefficients);
@@ -144,7 +136,7 @@ Json sh9_json(const std::string& path) {
 Json difmap_json(const std::string& path) {
   const DifMap map = read_difmap(path);
   Json json{{"kind", "difmap"}};
-  json.update(json_of(map.metadata));
+  json.update(to_json(map.metadata));
   Rgb least = map.e.texels.front();
   Rgb greatest = least;
   for (const Rgb& e : map.e.texels) {
@@ -187,11 +179,11 @@ void run_info(const std::string& path, const CommonOptions& common) {
     case FileKind::fiv:
     case FileKind::cubemap:
     case FileKind::lobes:
-      json.update(exr_asset_json(path, std::string(name(kind))));
+      json.update(exr_asset_json(path, std::string(name_of(kind))));
       break;
     case FileKind::image:
       json["kind"] = "image";
-      json.update(json_of(read_image_info(path)));
+      json.update(to_json(read_image_info(path)));
       break;
   }
   std::string text;

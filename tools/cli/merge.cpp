@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "grid/base/error.h"
-#include "grid/io/vdb/vdb.h"
 #include "tools/bake/grid_result.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
+#include "tools/cli/vdb_input.h"
 
 namespace ivory {
 
@@ -20,12 +20,7 @@ struct MergeOptions {
 };
 
 // Where a part's photons begin; 0 where the file does not say, which reading it then refuses.
-std::int64_t photon_begin(const std::string& path) {
-  const Metadata info = read_vdb_info(path);
-  const auto found = info.find("photon_begin");
-  const auto* begin = found == info.end() ? nullptr : std::get_if<std::int64_t>(&found->second);
-  return begin == nullptr ? 0 : *begin;
-}
+std::int64_t photon_begin(const std::string& path) { return find_int(load_vdb_info(path), "photon_begin").value_or(0); }
 
 void run_merge(const MergeOptions& options, const CommonOptions& common) {
   check_output(options.output, ".vdb", common);
@@ -34,11 +29,11 @@ void run_merge(const MergeOptions& options, const CommonOptions& common) {
   for (const std::string& part : options.parts) order.emplace_back(photon_begin(part), part);
   std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
 
-  GridSums total = read_sums_vdb(order[0].second);
+  GridAccumulator total = load_accumulator_vdb(order[0].second);
   for (std::size_t i = 1; i < order.size(); ++i) {
-    std::vector<GridSums> two;
+    std::vector<GridAccumulator> two;
     two.push_back(std::move(total));
-    two.push_back(read_sums_vdb(order[i].second));
+    two.push_back(load_accumulator_vdb(order[i].second));
     total = merge(std::move(two), {order[i - 1].second, order[i].second});
   }
   const bool whole = is_whole(total);

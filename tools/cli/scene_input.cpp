@@ -14,17 +14,15 @@ bool is_scene_name(const std::string& path) {
 }
 
 void check_environment(const std::string& path, const Metadata& metadata, const SceneInput& input) {
-  const auto baked = metadata.find("environment_hash");
-  const auto given = input.origin.find("environment_hash");
-  const bool lit = given != input.origin.end();
-  if (baked == metadata.end()) {
+  const auto baked = find_text(metadata, "environment_hash");
+  const auto given = find_text(input.origin, "environment_hash");
+  const bool lit = given.has_value();
+  if (!baked) {
     if (lit) throw Error(path, "was baked without an environment map", "leave out --env, or bake it with the same");
     return;
   }
-  if (lit && baked->second == given->second) return;
-  const auto name = metadata.find("environment");
-  const auto* text = name == metadata.end() ? nullptr : std::get_if<std::string>(&name->second);
-  const std::string known = text == nullptr ? "unknown" : *text;
+  if (baked == given) return;
+  const std::string known = find_text(metadata, "environment").value_or("unknown");
   if (lit) throw Error(path, "was baked for another environment (" + known + ")", "bake it for the one given by --env");
   throw Error(path, "was baked for an environment (" + known + ")", "give that by --env, or bake it without");
 }

@@ -37,7 +37,7 @@ ProbeEstimates probe_cubemap(CubeMethod method, const ProbeRequest& request) {
                                            outside, table.p.size()));
   }
   out.facts = {
-      {"source", std::string("cubemap")}, {"lookup", std::string(name(method))}, {"outside", std::int64_t(outside)}};
+      {"source", std::string("cubemap")}, {"lookup", std::string(name_of(method))}, {"outside", std::int64_t(outside)}};
   return out;
 }
 
@@ -56,7 +56,7 @@ ProbeSource make_cubemap_source(Command command) {
   source.options = {"--lookup"};
   source.matches = [](const std::string& path) { return exr_asset_kind(path) == "cubemap"; };
   source.probe = [lookup](const ProbeRequest& request) {
-    return probe_cubemap(cube_method_from_name(*lookup), request);
+    return probe_cubemap(from_name<CubeMethod>(*lookup), request);
   };
   return source;
 }

@@ -5,11 +5,11 @@
 #include <tbb/parallel_for.h>
 
 #include "grid/base/error.h"
+#include "grid/env/irradiance_sum.h"
 #include "grid/io/difmap.h"
 #include "grid/io/sh9.h"
 #include "tools/cli/file_kind.h"
 #include "tools/probe/source.h"
-#include "tracer/env/irradiance_sum.h"
 
 namespace ivory {
 
@@ -67,7 +67,7 @@ ProbeSource make_environment_source() {
     for (const V3d& e : sums.e) out.e.emplace_back(e);
     out.standard_error.assign(out.e.size(), Rgb(0, 0, 0));
     out.facts = {{"source", std::string("environment")},
-                 {"layout", std::string(name(image.layout))},
+                 {"layout", std::string(name_of(image.layout))},
                  {"error_bound_lux", std::max({sums.error_bound.x, sums.error_bound.y, sums.error_bound.z})}};
     return out;
   };

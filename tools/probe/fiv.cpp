@@ -45,7 +45,7 @@ ProbeSource make_fiv_source(Command command) {
   source.options = {"--straddling"};
   source.matches = [](const std::string& path) { return exr_asset_kind(path) == "fiv"; };
   source.probe = [straddling](const ProbeRequest& request) {
-    return probe_fiv(*straddling == "scale" ? Straddling::scale : Straddling::bound, request);
+    return probe_fiv(from_name<Straddling>(*straddling), request);
   };
   return source;
 }

@@ -7,8 +7,8 @@
 
 #include "grid/base/error.h"
 #include "grid/io/file.h"
-#include "grid/io/vdb/vdb.h"
 #include "tools/cli/scene_input.h"
+#include "tools/cli/vdb_input.h"
 #include "tools/probe/source.h"
 #include "tracer/render/guard_rays.h"
 
@@ -30,7 +30,7 @@ Guard choose_guard(const std::string& source, const GridOptions& options, const 
     if (!options.scene.empty()) return Guard::rays;
     return grid.guard.empty() ? Guard::off : Guard::planes;
   }
-  const Guard guard = guard_from_name(options.guard);
+  const Guard guard = from_name<Guard>(options.guard);
   if (guard == Guard::rays && options.scene.empty()) throw UsageError("--guard rays needs the scene: give --scene");
   if (guard != Guard::rays && !options.scene.empty()) throw UsageError("--scene serves --guard rays only");
   if (guard == Guard::planes && grid.guard.empty())
@@ -41,25 +41,24 @@ Guard choose_guard(const std::string& source, const GridOptions& options, const 
 ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& request) {
   const PointsTable& table = request.table;
   const CommonOptions& common = request.common;
-  const IrradianceGrid grid = read_grid_vdb(request.source);
+  const IrradianceGrid grid = load_grid_vdb(request.source);
   const Guard guard = choose_guard(request.source, options, grid);
   LookupParams params;
-  params.interpolation = options.interpolation == "tricubic" ? Interpolation::tricubic : Interpolation::trilinear;
-  params.reconstruction = reconstruction_from_name(options.reconstruction);
+  params.interpolation = from_name<Interpolation>(options.interpolation);
+  params.reconstruction = from_name<Reconstruction>(options.reconstruction);
   params.nudge_voxels = options.nudge_voxels;
   if (params.reconstruction == Reconstruction::paper && grid.basis != Basis::vectors) {
     throw UsageError(fmt::format("--reconstruction paper reads basis 'vectors' only; {} stores '{}'", request.source,
-                                 name(grid.basis)));
+                                 name_of(grid.basis)));
   }
-  const auto light = grid.metadata.find("light");
-  if (request.indirect_only && light != grid.metadata.end() && light->second != MetaValue(std::string("indirect")))
+  if (request.indirect_only && grid.light != StoredLight::indirect)
     throw Error(request.source, "was baked with --direct and cannot be read without", "bake it again without --direct");
 
   std::optional<SceneInput> scene;
   if (!options.scene.empty()) {
     scene = load_scene_input(options.scene, {}, common);
-    const auto baked = grid.metadata.find("scene_hash");
-    if (baked != grid.metadata.end() && baked->second != scene->origin.at("scene_hash"))
+    const auto baked = find_text(grid.metadata, "scene_hash");
+    if (baked && *baked != scene->scene.content_hash)
       print_note(common, "warning: " + options.scene + " has changed since " + request.source + " was baked");
   }
   const Intersector* intersector = scene ? &scene->lit.intersector : nullptr;
@@ -86,7 +85,7 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
                                    outside, table.p.size()));
   }
   out.facts = {
-      {"source", std::string("grid")}, {"guard", std::string(name(guard))}, {"outside", std::int64_t(outside)}};
+      {"source", std::string("grid")}, {"guard", std::string(name_of(guard))}, {"outside", std::int64_t(outside)}};
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "grid/base/error.h"
+#include "grid/io/json.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/cli/points_csv.h"
@@ -51,8 +52,7 @@ void run_probe(const ProbeOptions& options, const std::vector<ProbeSource>& sour
   mean /= static_cast<double>(estimates.e.size());
   nlohmann::ordered_json result{
       {"file", options.output}, {"points", table.p.size()}, {"mean_lux", {mean.x, mean.y, mean.z}}};
-  for (const auto& [key, value] : estimates.facts)
-    std::visit([&, &fact = key](const auto& v) { result[fact] = v; }, value);
+  result.update(to_json(estimates.facts));
   print_result(common, result,
                fmt::format("{}: {} points, mean E {:.6g} {:.6g} {:.6g} lux\n", options.output, table.p.size(), mean.x,
                            mean.y, mean.z));

@@ -94,12 +94,8 @@ Film render(const FivOptions& options, const RenderRequest& request) {
     print_note(request.common, "note: --method fiv leaves out all lights but the environment");
   fiv.unshadowed = load_ambient(options.ambient, input, request.common);
   FivLightParams params;
-  params.straddling = options.straddling == "scale" ? Straddling::scale : Straddling::bound;
-  const std::map<std::string, FivOverlap> overlaps{{"none", FivOverlap::none},
-                                                   {"discs", FivOverlap::discs},
-                                                   {"covers", FivOverlap::covers},
-                                                   {"product", FivOverlap::product}};
-  params.overlap = overlaps.at(options.overlap);
+  params.straddling = from_name<Straddling>(options.straddling);
+  params.overlap = from_name<FivOverlap>(options.overlap);
   return render_fiv(fiv, input.lit, request.view, request.params, params);
 }
 

@@ -35,11 +35,8 @@ std::vector<Sphere> load_placed(const std::string& text) {
 
 LobeParams params_of(const LobeOptions& options) {
   LobeParams params = options.params;
-  if (options.shadows == "none") params.shadows = LobeShadows::none;
-  if (options.shadows == "spheres") params.shadows = LobeShadows::spheres;
-  if (options.shadows == "mesh") params.shadows = LobeShadows::mesh;
-  if (options.mask == "inside") params.mask_rule = MaskRule::inside;
-  if (options.mask == "touched") params.mask_rule = MaskRule::touched;
+  params.shadows = from_name<LobeShadows>(options.shadows);
+  params.mask_rule = from_name<MaskRule>(options.mask);
   return params;
 }
 

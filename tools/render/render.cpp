@@ -13,6 +13,7 @@
 #include <nlohmann/json.hpp>
 
 #include "grid/base/error.h"
+#include "grid/io/json.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/cli/dynamic_objects.h"
@@ -153,7 +154,7 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
   result["outputs"] = options.outputs;
   result["width"] = film.width;
   result["height"] = film.height;
-  for (const auto& [key, value] : metadata) std::visit([&, &k = key](const auto& v) { result[k] = v; }, value);
+  result.update(to_json(metadata));
   if (any_display) result["exposure_stops"] = exposure;
   result["mean_radiance_nits"] = {mean[0], mean[1], mean[2]};
   result["seconds"] = seconds;

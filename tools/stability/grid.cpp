@@ -65,7 +65,7 @@ std::vector<StabilityPoint> grazing_photons(const StabilityParams& params) {
       double bound = 1.6 / std::sqrt(n);
       if (estimator == Estimator::face) bound = 2 * std::sqrt(face_variance);
       if (estimator == Estimator::face_paper) bound = paper_bias + 2 * std::sqrt(1 / n);
-      points.push_back({std::string(name(estimator)), elevation, error, bound});
+      points.push_back({std::string(name_of(estimator)), elevation, error, bound});
     }
   }
   return points;
@@ -113,7 +113,7 @@ std::vector<StabilityPoint> grid_planes(const StabilityParams&) {
         double sum = 0;
         std::array<double, count * count * side> layers{};  // of each photon, the cells beside its line
         for (int vertex = 0; vertex < side * side * side; ++vertex) {
-          const V3i at(vertex % side, vertex / side % side, vertex / (side * side));
+          const V3i at = target.frame.vertex_coordinates(std::size_t(vertex));
           double here = 0;
           for (std::size_t slot = 0; slot < 8; ++slot)
             here += double(target.sums[target.lane_index(slot, std::size_t(vertex)) + 3 * axis]) * target.quantum;
@@ -184,7 +184,7 @@ std::vector<StabilityPoint> diagonal_normals(const StabilityParams&) {
       const double degrees = angle * 180 / pi_d;
       // The lattice of directions integrates these functions to a few 1e-6.
       constexpr double lattice = 1e-5;
-      points.push_back({std::string(name(basis)), degrees, error(Reconstruction::optimal), lattice});
+      points.push_back({std::string(name_of(basis)), degrees, error(Reconstruction::optimal), lattice});
       if (basis != Basis::vectors) continue;
       const double predicted = 1 - (n.x * n.x * n.x + n.y * n.y * n.y + n.z * n.z * n.z);
       points.push_back({"vectors, paper's remap", degrees, error(Reconstruction::paper), predicted + lattice});

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "grid/field/resolve.h"
 #include "tools/stability/scenes.h"
 #include "tools/stability/stability.h"
 
@@ -67,7 +68,7 @@ std::vector<StabilityPoint> tiny_emitters(const StabilityParams& params) {
     GridBakeParams bake;
     bake.resolution = V3i(8, 8, 8);
     bake.photons = params.quick ? 60'000 : 300'000;
-    const IrradianceGrid grid = finish(bake_grid_sums(world, bake));
+    const IrradianceGrid grid = resolve(bake_grid_sums(world, bake));
     const std::vector<double> by_paths = irradiance_by_paths(world, probes, samples);
     const std::vector<double> by_chance = irradiance_by_paths(world, probes, samples, DirectStrategy::bsdf);
     double path = 0;
@@ -114,7 +115,7 @@ std::vector<StabilityPoint> caustics(const StabilityParams& params) {
     GridBakeParams bake;
     bake.voxel_size_m = float(voxel);
     bake.photons = params.quick ? 400'000 : 1'000'000;
-    const IrradianceGrid grid = finish(bake_grid_sums(world, bake));
+    const IrradianceGrid grid = resolve(bake_grid_sums(world, bake));
     const auto read = [&](double x, double z) {
       const V3f n(0, 1, 0);
       return double(lookup_irradiance(grid, &world.intersector, Guard::rays, V3f(V3d(x, -1, z)), n, n, {}).x);
@@ -268,7 +269,7 @@ std::vector<StabilityPoint> albedo_to_one(const StabilityParams& params) {
       bake.resolution = V3i(8, 8, 8);
       bake.photons = params.quick ? 1500 : 8000;
       bake.max_bounces = bounces;
-      const IrradianceGrid grid = finish(bake_grid_sums(world, bake));
+      const IrradianceGrid grid = resolve(bake_grid_sums(world, bake));
       double mean = 0;
       for (const ProbePoint& at : probes) {
         const Rgb e = lookup_irradiance(grid, &world.intersector, Guard::rays, at.p, at.n, at.n, {});

@@ -8,6 +8,7 @@
 
 #include "grid/base/half.h"
 #include "grid/cubemap/localized.h"
+#include "grid/field/resolve.h"
 #include "grid/fiv/light.h"
 #include "grid/lobes/light.h"
 #include "tools/stability/cube_builder.h"
@@ -258,7 +259,7 @@ std::vector<StabilityPoint> sloping_ground(const StabilityParams& params) {
     bake.frame = frame;
     bake.guard = Guard::off;
     bake.photons = params.quick ? 50'000 : 500'000;
-    const IrradianceGrid grid = finish(bake_grid_sums(under_lamp, bake));
+    const IrradianceGrid grid = resolve(bake_grid_sums(under_lamp, bake));
     double below = 0;
     double above = 0;
     for (std::size_t v = 0; v < frame.vertex_count(); ++v) {

@@ -3,6 +3,8 @@
 #include <cassert>
 #include <cmath>
 
+#include "grid/field/resolve.h"
+
 namespace ivory {
 
 Scene make_chambers(const Chambers& c) {
@@ -73,7 +75,7 @@ double mean_share(const LitScene& world, const IrradianceGrid& grid, Guard guard
 
 IrradianceGrid bake_all_light(const LitScene& world, GridBakeParams params) {
   params.include_direct = true;
-  return finish(bake_grid_sums(world, params));
+  return resolve(bake_grid_sums(world, params));
 }
 
 double surface_area_m2(const Mesh& mesh) {

@@ -95,7 +95,7 @@ std::vector<StabilityPoint> vertex_on_wall(const StabilityParams& params) {
     points.push_back({"no guard, dark side", x, mean_share(world, open, Guard::off, dark), {}});
     points.push_back({"no guard, lit side", x, std::abs(mean_share(world, open, Guard::off, lit) - 1), {}});
     for (const Guard guard : {Guard::planes, Guard::rays}) {
-      const std::string series(name(guard));
+      const std::string series(name_of(guard));
       points.push_back({series + ", dark side", x, mean_share(world, guarded, guard, dark),
                         guard == Guard::rays ? 1e-4 : planes_leak});
       points.push_back({series + ", lit side", x, std::abs(mean_share(world, guarded, guard, lit) - 1), 0.02});

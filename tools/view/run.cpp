@@ -106,9 +106,9 @@ void write_picture(const std::string& path, const ViewSession& session, const Vi
   Metadata metadata;
   metadata["version"] = std::string(IVORY_VERSION);
   metadata["scene"] = session.world.objects.front().name;
-  metadata["method"] = std::string(name(session.world.objects.front().light.method));
+  metadata["method"] = std::string(name_of(session.world.objects.front().light.method));
   metadata["light"] = std::string(session.settings.direct ? "all" : "indirect");
-  if (session.settings.debug != DebugView::none) metadata["debug"] = std::string(name(session.settings.debug));
+  if (session.settings.debug != DebugView::none) metadata["debug"] = std::string(name_of(session.settings.debug));
   if (is_linear_image(path)) {
     Film film = target.read_mean();
     if (session.settings.debug == DebugView::difference) {
@@ -119,7 +119,7 @@ void write_picture(const std::string& path, const ViewSession& session, const Vi
     write_image(path, film, 0, metadata, force);
     return;
   }
-  metadata["tone"] = std::string(name(session.settings.tone.curve));
+  metadata["tone"] = std::string(name_of(session.settings.tone.curve));
   metadata["exposure_stops"] = double(session.settings.tone.exposure_stops);
   write_display_image(path, target.read_display(), metadata, force);
 }
@@ -129,7 +129,7 @@ std::string legend_title(const ViewSession& session) {
   const std::string unit = view != DebugView::difference   ? unit_of(view)
                            : session.reference->is_display ? "of white"
                                                            : "nits";
-  return fmt::format("{}, {}", name(view), unit);
+  return fmt::format("{}, {}", name_of(view), unit);
 }
 
 bool has_number(const std::string& path) { return std::regex_search(path, number_pattern()); }
@@ -166,16 +166,16 @@ Json describe(const ViewSession& session) {
   for (const ViewObject& object : world.objects) {
     Json entry{{"name", object.name},
                {"offset_m", vector_json(place(object, world.time_s))},
-               {"method", name(object.light.method)}};
+               {"method", name_of(object.light.method)}};
     if (object.light.asset != nullptr) entry["asset"] = object.light.asset->label();
     json["objects"].push_back(std::move(entry));
   }
   json["assets"] = Json::array();
   for (const auto& asset : session.assets)
-    json["assets"].push_back({{"file", asset->label()}, {"kind", name(asset->kind())}, {"bytes", asset->bytes()}});
+    json["assets"].push_back({{"file", asset->label()}, {"kind", name_of(asset->kind())}, {"bytes", asset->bytes()}});
   if (!session.environment.empty()) json["environment"] = session.environment;
   json["exposure_stops"] = shortest(session.settings.tone.exposure_stops);
-  json["debug"] = name(session.settings.debug);
+  json["debug"] = name_of(session.settings.debug);
   return json;
 }
 

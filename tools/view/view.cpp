@@ -33,13 +33,6 @@ struct ViewCommand {
   bool indirect_only = false;
 };
 
-template <typename Names>
-std::vector<std::string> names_of(const Names& all) {
-  std::vector<std::string> names;
-  for (const auto value : all) names.emplace_back(name(value));
-  return names;
-}
-
 void check_outputs(const ViewCommand& command, const CommonOptions& common) {
   for (const std::string& output : command.run.outputs) {
     check_image_name(output);
@@ -55,22 +48,15 @@ ViewRun finished(const ViewCommand& command) {
   run.input.assets.insert(run.input.assets.end(), command.named.begin(), command.named.end());
   if (command.guard == "rays")
     throw UsageError("--guard rays: shaders trace no rays; planes is what the grid stores of what they would find");
-  run.settings.guard = guard_from_name(command.guard);
-  run.settings.lookup.interpolation =
-      command.interpolation == "tricubic" ? Interpolation::tricubic : Interpolation::trilinear;
-  run.settings.lookup.reconstruction = reconstruction_from_name(command.reconstruction);
-  run.settings.cube_method = cube_method_from_name(command.lookup);
-  run.settings.fiv.straddling = command.straddling == "scale" ? Straddling::scale : Straddling::bound;
-  const std::map<std::string, FivOverlap> overlaps{{"none", FivOverlap::none},
-                                                   {"discs", FivOverlap::discs},
-                                                   {"covers", FivOverlap::covers},
-                                                   {"product", FivOverlap::product}};
-  run.settings.fiv.overlap = overlaps.at(command.overlap);
-  const std::map<std::string, MaskRule> rules{
-      {"center", MaskRule::center}, {"inside", MaskRule::inside}, {"touched", MaskRule::touched}};
-  run.settings.lobes.mask_rule = rules.at(command.mask);
-  run.settings.tone.curve = tone_curve_from_name(command.tone);
-  run.settings.debug = debug_view_from_name(command.debug);
+  run.settings.guard = from_name<Guard>(command.guard);
+  run.settings.lookup.interpolation = from_name<Interpolation>(command.interpolation);
+  run.settings.lookup.reconstruction = from_name<Reconstruction>(command.reconstruction);
+  run.settings.cube_method = from_name<CubeMethod>(command.lookup);
+  run.settings.fiv.straddling = from_name<Straddling>(command.straddling);
+  run.settings.fiv.overlap = from_name<FivOverlap>(command.overlap);
+  run.settings.lobes.mask_rule = from_name<MaskRule>(command.mask);
+  run.settings.tone.curve = from_name<ToneCurve>(command.tone);
+  run.settings.debug = from_name<DebugView>(command.debug);
   run.settings.direct = !command.indirect_only;
   run.settings.constant_e_lux = Rgb(0, 0, 0);
   if (!command.constant.empty()) {
@@ -213,12 +199,12 @@ void add_picture_options(Command app, ViewCommand& command) {
       .type_name("STOPS")
       .group(group);
   app.add_option("--tone", command.tone, "Curve from light to display: neutral is that of ivory render")
-      .one_of(names_of(all_tone_curves))
+      .one_of(names_of<ToneCurve>())
       .group(group);
   std::string debug = "What is shown instead of light, or on top of it:";
-  for (const DebugView view : all_debug_views) debug += fmt::format("\n  {:<11} {}", name(view), summary(view));
+  for (const DebugView view : all_debug_views) debug += fmt::format("\n  {:<11} {}", name_of(view), summary(view));
   app.add_option("--debug,--view-mode", command.debug, debug)
-      .one_of(names_of(all_debug_views))
+      .one_of(names_of<DebugView>())
       .type_name("NAME")
       .group(group);
   app.add_flag("--false-color", command.run.settings.false_color, "Debug views irradiance and stored in false colours")

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "grid/base/types.h"
+#include "grid/env/latlong_map.h"
 
 namespace ivory {
 
@@ -165,14 +166,6 @@ struct SphereLight {
   float radius_m = 0;
   Rgb radiance_nits;
   int instance = no_index;  // of that mesh
-};
-
-// Lat-long radiance in nits, as OpenEXR defines the layout: row 0 looks towards +Y; u = 0.5 + atan2(-x, z) /
-// (2 pi), so the centre of the image looks along +Z and +X lies to its left.
-struct EnvironmentMap {
-  int width = 0;
-  int height = 0;
-  std::vector<Rgb> radiance;  // height x width
 };
 
 struct Scene {

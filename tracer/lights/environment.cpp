@@ -6,8 +6,8 @@
 #include <numbers>
 #include <vector>
 
+#include "grid/env/latlong_map.h"
 #include "tracer/core/sampling.h"
-#include "tracer/env/latlong_map.h"
 
 namespace ivory {
 

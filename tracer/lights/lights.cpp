@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "grid/base/error.h"
+#include "grid/env/latlong_map.h"
 #include "tracer/core/alias_table.h"
-#include "tracer/env/latlong_map.h"
 #include "tracer/lights/environment.h"
 #include "tracer/lights/punctual.h"
 #include "tracer/lights/triangle.h"

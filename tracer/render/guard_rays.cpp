@@ -10,30 +10,23 @@
 namespace ivory {
 namespace {
 
-V3f vertex_position(const GridFrame& frame, std::uint32_t vertex) {
-  const auto row = std::uint32_t(frame.size.x);
-  const auto plane = row * std::uint32_t(frame.size.y);
-  return frame.to_world(V3f(static_cast<float>(vertex % row), static_cast<float>(vertex % plane / row),
-                            static_cast<float>(vertex / plane)));
-}
-
-std::uint64_t visible_by_rays(const IrradianceGrid& grid, const Intersector& intersector, const V3f& p,
-                              const Footprint& footprint) {
-  std::uint64_t visible = 0;
+VisibleEntries visible_by_rays(const IrradianceGrid& grid, const Intersector& intersector, const V3f& p,
+                               const Footprint& footprint) {
+  VisibleEntries visible;
   std::array<V3f, 8> targets;
-  std::array<int, 8> entries{};
+  std::array<std::size_t, 8> entries{};
   int filled = 0;
   const auto query = [&] {
     const std::uint32_t bits = intersector.visible(p, targets, filled);
     for (int i = 0; i < filled; ++i) {
-      if (((bits >> unsigned(i)) & 1U) != 0) visible |= std::uint64_t(1) << unsigned(entries[std::size_t(i)]);
+      if (((bits >> unsigned(i)) & 1U) != 0) visible.set(entries[std::size_t(i)]);
     }
     filled = 0;
   };
-  for (int i = 0; i < footprint.count; ++i) {
-    const std::uint32_t vertex = footprint.vertex[std::size_t(i)];
-    if (footprint.weight[std::size_t(i)] == 0 || grid.visible_fraction[vertex] <= 0) continue;
-    targets[std::size_t(filled)] = vertex_position(grid.frame, vertex);
+  for (std::size_t i = 0; i < std::size_t(footprint.count); ++i) {
+    const std::uint32_t vertex = footprint.vertex[i];
+    if (footprint.weight[i] == 0 || grid.visible_fraction[vertex] <= 0) continue;
+    targets[std::size_t(filled)] = grid.frame.to_world(V3f(grid.frame.vertex_coordinates(vertex)));
     entries[std::size_t(filled++)] = i;
     if (filled == 8) query();
   }

@@ -15,6 +15,12 @@ enum class LobeShadows {
   spheres,  // sphere sets; Monte Carlo, stratified over the light
   mesh,     // the scene's triangles; Monte Carlo, stratified over the light
 };
+template <>
+inline constexpr auto name_table<LobeShadows> = make_name_table<LobeShadows>("shadows",
+                                                                             {{LobeShadows::lobes, "lobes"},
+                                                                              {LobeShadows::spheres, "spheres"},
+                                                                              {LobeShadows::mesh, "mesh"},
+                                                                              {LobeShadows::none, "none"}});
 
 struct LobeParams : LobeLightParams {
   LobeShadows shadows = LobeShadows::lobes;

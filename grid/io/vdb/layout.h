@@ -14,26 +14,27 @@ namespace ivory {
 
 inline constexpr std::int64_t vdb_format_version = 1;
 inline constexpr const char* vdb_grid_kind = "irradiance grid";
-inline constexpr const char* vdb_sums_kind = "photon sums";
+inline constexpr const char* vdb_accumulator_kind = "photon sums";
 
-// File metadata: facts of the file itself begin with file_prefix, the caller's Metadata (whose keys
-// never begin with "file_") with meta_prefix.
+// File metadata: facts of the file itself begin with file_prefix, the caller's Metadata (whose keys never begin with
+// "file_") with meta_prefix.
 inline const std::string file_prefix = "ivory_file_";
 inline const std::string counter_prefix = "ivory_file_counter_";
 inline const std::string meta_prefix = "ivory_";
+inline const std::string light_key = "light";  // of StoredLight, behind meta_prefix
 
 inline constexpr const char* visible_fraction_name = "visible_fraction";
 inline constexpr const char* variance_name = "variance";
 
-// A guard record as six floats of 24 bits each, lowest first, in two Vec3f grids guard_0 and guard_1:
-// python-openvdb refuses whole files that hold a grid of integers.
+// A guard record as six floats of 24 bits each, lowest first, in two Vec3f grids guard_0 and guard_1: python-openvdb
+// refuses whole files that hold a grid of integers.
 std::string guard_name(int half);
 std::array<float, 6> floats_from_guard(const GuardRecord& record);
 // Nothing where the floats hold no record.
 std::optional<GuardRecord> guard_from_floats(const std::array<float, 6>& floats);
 
-// A vertex's floats as the file keeps them: the moments, or for Basis::vectors the six
-// hemispherical vectors, [hemisphere][xyz][rgb].
+// A vertex's floats as the file keeps them: the moments, or for Basis::vectors the six hemispherical vectors,
+// [hemisphere][xyz][rgb]; lux.
 int file_stride(Basis basis);
 std::vector<float> file_values_from_moments(Basis basis, const std::vector<float>& moments);
 std::vector<float> moments_from_file_values(Basis basis, const std::vector<float>& values);
@@ -46,15 +47,15 @@ struct VectorField {
 };
 std::vector<VectorField> vector_fields(Basis basis);
 
-// One int64 grid a number of GridSums: sum_<slot>_<function>_<r|g|b>, and sum_<slot>_square_<r|g|b>
-// for the second moments; in the order of GridSums::sums.
+// One int64 grid a number of a GridAccumulator: sum_<slot>_<function>_<r|g|b>, and sum_<slot>_square_<r|g|b> for the
+// second moments; in the order of GridAccumulator::sums.
 std::vector<std::string> sum_field_names(const SumLayout& layout);
 
 // Index to world as a 4x4 matrix for row vectors, row by row; exact.
 std::array<double, 16> transform_matrix(const GridFrame& frame);
 
-// `stored` where the matrix is still its own; otherwise, in a file that another program has moved,
-// rotated or scaled evenly, the frame that the matrix describes. Throws Error for any other matrix.
+// `stored` where the matrix is still its own; otherwise, in a file that another program has moved, rotated or scaled
+// evenly, the frame that the matrix describes. Throws Error for any other matrix; `path` is for its message.
 GridFrame frame_from_transform(const std::string& path, const std::array<double, 16>& matrix, const GridFrame& stored);
 
 }  // namespace ivory

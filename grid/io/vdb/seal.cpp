@@ -17,15 +17,14 @@ namespace ivory {
 
 namespace {
 
-// Header of file format 222 and later: magic (8 bytes), format version (4), library version (8),
-// has grid offsets (1), UUID as text (36).
+// Header of file format 222 and later: magic (8 bytes), format version (4), library version (8), has grid offsets (1),
+// UUID as text (36).
 constexpr std::string_view magic{" BDV\0\0\0\0", 8};
 constexpr std::size_t uuid_offset = 21;
 constexpr std::size_t uuid_length = 36;
 constexpr std::size_t header_length = uuid_offset + uuid_length;
 
-// "ivory" in ASCII, then version 8 of RFC 9562 (custom UUIDs) and its variant bits; 60 bits remain
-// for the checksum.
+// "ivory" in ASCII, then version 8 of RFC 9562 (custom UUIDs) and its variant bits; 60 bits remain for the checksum.
 constexpr std::string_view mark = "69766f72-7900-8000-8";
 constexpr std::uint64_t checksum_mask = (std::uint64_t(1) << 60U) - 1;
 
@@ -45,25 +44,42 @@ void seal_vdb(std::string& bytes) {
   bytes.replace(uuid_offset, uuid_length, uuid_of(bytes));
 }
 
-bool verify_vdb(const std::string& path) {
+namespace {
+
+struct OpenVdb {
+  std::ifstream file;  // behind the header
+  std::string header;
+  bool sealed = false;
+};
+
+OpenVdb open_header(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) throw Error(path, "does not exist", "check the name");
   if (!fs::is_regular_file(status)) throw Error(path, "is not a file", "give a .vdb file");
-  const std::uintmax_t size = fs::file_size(path, error);
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes(header_length, '\0');
-  if (error || !file) throw Error(path, "cannot be opened", "check its permissions");
-  if (!file.read(bytes.data(), std::streamsize(header_length)) || !bytes.starts_with(magic))
+  OpenVdb in{std::ifstream(path, std::ios::binary), std::string(header_length, '\0')};
+  if (!in.file) throw Error(path, "cannot be opened", "check its permissions");
+  if (!in.file.read(in.header.data(), std::streamsize(header_length)) || !in.header.starts_with(magic))
     throw Error(path, "is not an OpenVDB file", "give a .vdb file that ivory baked");
-  if (std::string_view(bytes).substr(uuid_offset, mark.size()) != mark) return false;
+  in.sealed = std::string_view(in.header).substr(uuid_offset, mark.size()) == mark;
+  return in;
+}
+
+}  // namespace
+
+bool is_sealed_vdb(const std::string& path) { return open_header(path).sealed; }
+
+void verify_vdb(const std::string& path) {
+  OpenVdb in = open_header(path);
+  if (!in.sealed) return;
+  std::string& bytes = in.header;
+  const std::uintmax_t size = std::filesystem::file_size(path);
   bytes.resize(size);
-  if (!file.read(bytes.data() + header_length, std::streamsize(size - header_length)))
+  if (!in.file.read(bytes.data() + header_length, std::streamsize(size - header_length)))
     throw Error(path, "cannot be read", "check the disk");
   if (std::string_view(bytes).substr(uuid_offset, uuid_length) != uuid_of(bytes))
     throw Error(path, "is damaged or cut short (its checksum differs)", "copy or bake it again");
-  return true;
 }
 
 }  // namespace ivory

@@ -1,4 +1,4 @@
-// Writing half of io_vdb.h.
+// Writing half of grid/io/vdb/vdb.h.
 #include <algorithm>
 #include <cassert>
 #include <fstream>
@@ -61,13 +61,14 @@ void put(openvdb::MetaMap& map, const std::string& key, const V3f& v) {
 }
 
 // What grids and sums have in common.
-openvdb::MetaMap common_metadata(const char* kind, const GridFrame& frame, Basis basis, const Metadata& metadata) {
+openvdb::MetaMap common_metadata(const char* kind, const GridVertices& vertices) {
+  const GridFrame& frame = vertices.frame;
   openvdb::MetaMap map;
   put(map, file_prefix + "kind", kind);
   put(map, file_prefix + "format_version", vdb_format_version);
   put(map, file_prefix + "ivory_version", IVORY_VERSION);
   put(map, file_prefix + "units", "irradiance lux, length metre");
-  put(map, file_prefix + "basis", name(basis));
+  put(map, file_prefix + "basis", name_of(vertices.basis));
   map.insertMeta(file_prefix + "size",
                  openvdb::Vec3IMetadata(openvdb::Vec3i(frame.size.x, frame.size.y, frame.size.z)));
   put(map, file_prefix + "origin_m", frame.origin_m);
@@ -76,7 +77,8 @@ openvdb::MetaMap common_metadata(const char* kind, const GridFrame& frame, Basis
     const auto& row = frame.local_to_world[axis];
     put(map, file_prefix + "axis_" + "xyz"[axis], V3f(row[0], row[1], row[2]));
   }
-  for (const auto& [key, value] : metadata) {
+  put(map, meta_prefix + light_key, name_of(vertices.light));
+  for (const auto& [key, value] : vertices.metadata) {
     assert(!(meta_prefix + key).starts_with(file_prefix));
     std::visit([&, &meta_key = key](const auto& v) { put(map, meta_prefix + meta_key, v); }, value);
   }
@@ -105,17 +107,17 @@ openvdb::GridBase::Ptr make_grid(const std::string& grid_name, const openvdb::ma
 }
 
 // The grids that say what the vertices can see.
-void add_visibility(openvdb::GridCPtrVec& grids, const openvdb::math::Transform::Ptr& transform, const GridFrame& frame,
-                    const std::vector<bool>& active, const std::vector<float>& visible_fraction,
-                    const std::vector<GuardRecord>& guard) {
-  grids.push_back(make_grid<openvdb::FloatGrid>(visible_fraction_name, transform, frame, active,
-                                                [&](std::size_t vertex) { return visible_fraction[vertex]; }));
-  if (guard.empty()) return;
+void add_visibility(openvdb::GridCPtrVec& grids, const openvdb::math::Transform::Ptr& transform,
+                    const GridVertices& vertices, const std::vector<bool>& active) {
+  grids.push_back(make_grid<openvdb::FloatGrid>(visible_fraction_name, transform, vertices.frame, active,
+                                                [&](std::size_t vertex) { return vertices.visible_fraction[vertex]; }));
+  if (vertices.guard.empty()) return;
   for (int half = 0; half < 2; ++half) {
-    const auto grid = make_grid<Vec3fGrid>(guard_name(half), transform, frame, active, [&](std::size_t vertex) {
-      const auto floats = floats_from_guard(guard[vertex]);
-      return openvdb::Vec3s(floats.data() + 3 * half);
-    });
+    const auto grid =
+        make_grid<Vec3fGrid>(guard_name(half), transform, vertices.frame, active, [&](std::size_t vertex) {
+          const auto floats = floats_from_guard(vertices.guard[vertex]);
+          return openvdb::Vec3s(floats.data() + 3 * half);
+        });
     grid->setVectorType(openvdb::VEC_INVARIANT);
     grids.push_back(grid);
   }
@@ -144,6 +146,7 @@ void guarded(const std::string& path, const Action& action) {
 }  // namespace
 
 std::string resave_vdb(const std::string& path) {
+  openvdb::initialize();
   openvdb::io::File file(path);
   file.open(/*delayLoad=*/false);
   const auto grids = file.getGrids();
@@ -181,42 +184,43 @@ void write_vdb(const std::string& path, const IrradianceGrid& grid, bool force) 
     });
     variance->setVectorType(openvdb::VEC_INVARIANT);
     grids.push_back(variance);
-    add_visibility(grids, transform, grid.frame, active, grid.visible_fraction, grid.guard);
+    add_visibility(grids, transform, grid, active);
 
-    const openvdb::MetaMap metadata = common_metadata(vdb_grid_kind, grid.frame, grid.basis, grid.metadata);
+    const openvdb::MetaMap metadata = common_metadata(vdb_grid_kind, grid);
     add_metadata_copy(grids, metadata);
     write_sealed(path, force, grids, metadata);
   });
 }
 
-void write_vdb(const std::string& path, const GridSums& sums, bool force) {
+void write_vdb(const std::string& path, const GridAccumulator& accumulator, bool force) {
   openvdb::initialize();
   guarded(path, [&] {
-    const std::vector<std::string> names = sum_field_names(sum_layout(sums.basis, sums.estimator));
+    const std::vector<std::string> names = sum_field_names(sum_layout(accumulator.basis, accumulator.estimator));
     const std::size_t stride = names.size();
-    const auto transform = transform_of(sums.frame);
-    std::vector<bool> active(sums.frame.vertex_count());
+    const auto transform = transform_of(accumulator.frame);
+    std::vector<bool> active(accumulator.frame.vertex_count());
     for (std::size_t vertex = 0; vertex < active.size(); ++vertex) {
-      const auto first = sums.sums.begin() + std::ptrdiff_t(vertex * stride);
-      active[vertex] = sums.visible_fraction[vertex] > 0 ||
+      const auto first = accumulator.sums.begin() + std::ptrdiff_t(vertex * stride);
+      active[vertex] = accumulator.visible_fraction[vertex] > 0 ||
                        std::any_of(first, first + std::ptrdiff_t(stride), [](std::int64_t sum) { return sum != 0; });
     }
 
     openvdb::GridCPtrVec grids(stride);
     tbb::parallel_for(std::size_t(0), stride, [&](std::size_t i) {
-      grids[i] = make_grid<openvdb::Int64Grid>(names[i], transform->copy(), sums.frame, active,
-                                               [&](std::size_t vertex) { return sums.sums[vertex * stride + i]; });
+      grids[i] =
+          make_grid<openvdb::Int64Grid>(names[i], transform->copy(), accumulator.frame, active,
+                                        [&](std::size_t vertex) { return accumulator.sums[vertex * stride + i]; });
     });
-    add_visibility(grids, transform, sums.frame, active, sums.visible_fraction, sums.guard);
+    add_visibility(grids, transform, accumulator, active);
 
-    openvdb::MetaMap metadata = common_metadata(vdb_sums_kind, sums.frame, sums.basis, sums.metadata);
-    put(metadata, file_prefix + "estimator", name(sums.estimator));
-    put(metadata, file_prefix + "quantum", sums.quantum);
-    put(metadata, file_prefix + "quantum_squared", sums.quantum_squared);
-    put(metadata, file_prefix + "photon_begin", std::int64_t(sums.photon_begin));
-    put(metadata, file_prefix + "photon_end", std::int64_t(sums.photon_end));
-    put(metadata, file_prefix + "guard_stored", std::int64_t(sums.guard.empty() ? 0 : 1));
-    for (const auto& [key, value] : sums.counters) put(metadata, counter_prefix + key, value);
+    openvdb::MetaMap metadata = common_metadata(vdb_accumulator_kind, accumulator);
+    put(metadata, file_prefix + "estimator", name_of(accumulator.estimator));
+    put(metadata, file_prefix + "quantum", accumulator.quantum);
+    put(metadata, file_prefix + "quantum_squared", accumulator.quantum_squared);
+    put(metadata, file_prefix + "photon_begin", std::int64_t(accumulator.photon_begin));
+    put(metadata, file_prefix + "photon_end", std::int64_t(accumulator.photon_end));
+    put(metadata, file_prefix + "guard_stored", std::int64_t(accumulator.guard.empty() ? 0 : 1));
+    for (const auto& [key, value] : accumulator.counters) put(metadata, counter_prefix + key, value);
     add_metadata_copy(grids, metadata);
     write_sealed(path, force, grids, metadata);
   });

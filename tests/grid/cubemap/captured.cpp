@@ -45,7 +45,8 @@ TEST(CapturedCube, CubesAreExact) {
   for (const ShellFit fit : {ShellFit::fitted, ShellFit::corners}) {
     for (const int size : {1, 2, 4, 8, 32}) {
       for (const TexelCorners& v : localize(captured, size, fit).corners) {
-        for (const float inverse_depth : v) EXPECT_NEAR(inverse_depth, 0.5F, 1e-5F) << size << std::string(name(fit));
+        for (const float inverse_depth : v)
+          EXPECT_NEAR(inverse_depth, 0.5F, 1e-5F) << size << std::string(name_of(fit));
       }
     }
   }
@@ -122,7 +123,7 @@ TEST(CapturedCube, AnyShellIsClosed) {
     const CapturedCube captured = make_captured(
         12, [&](const V3d&) { return unit(random) < 0.3 ? 0.0 : std::pow(10, 8 * unit(random) - 4); }, white);
     for (const ShellFit fit : fits)
-      EXPECT_EQ(find_fault(localize(captured, size, fit)), "") << size << std::string(name(fit));
+      EXPECT_EQ(find_fault(localize(captured, size, fit)), "") << size << std::string(name_of(fit));
   }
 }
 
@@ -131,7 +132,7 @@ TEST(CapturedCube, SkyStaysSky) {
       8, [](const V3d&) { return 0.0; }, white);
   for (const ShellFit fit : fits) {
     for (const TexelCorners& v : localize(captured, 4, fit).corners)
-      EXPECT_EQ(v, TexelCorners{}) << std::string(name(fit));
+      EXPECT_EQ(v, TexelCorners{}) << std::string(name_of(fit));
   }
 }
 
@@ -167,8 +168,8 @@ TEST(CapturedCube, LightIsKept) {
 }
 
 TEST(CapturedCube, FitsHaveNames) {
-  for (const ShellFit fit : fits) EXPECT_EQ(shell_fit_from_name(name(fit)), fit);
-  EXPECT_THROW(shell_fit_from_name("nonsense"), UsageError);
+  for (const ShellFit fit : fits) EXPECT_EQ(from_name<ShellFit>(name_of(fit)), fit);
+  EXPECT_THROW(from_name<ShellFit>("nonsense"), UsageError);
 }
 
 }  // namespace

@@ -137,7 +137,7 @@ TEST(LocalizedCube, RectangleFacingTheReceiverHasTheTextbookFormFactor) {
     for (const CubeMethod method : {CubeMethod::polygon, CubeMethod::polygon_paper}) {
       const Rgb e = irradiance(cube, method, origin + p, V3f(0, 0, 1));
       // Positions 100 m from the world's origin are rounded to 4e-6 m, here of 0.01 m at the nearest.
-      EXPECT_NEAR(e.x / pi / factor, 1, 1e-3) << p << std::string(name(method));
+      EXPECT_NEAR(e.x / pi / factor, 1, 1e-3) << p << std::string(name_of(method));
     }
   }
 }
@@ -270,8 +270,8 @@ TEST(LocalizedCube, FaultsAreFound) {
 TEST(LocalizedCube, MethodsHaveNames) {
   for (const CubeMethod method :
        {CubeMethod::convolved, CubeMethod::point, CubeMethod::polygon, CubeMethod::polygon_paper})
-    EXPECT_EQ(cube_method_from_name(name(method)), method);
-  EXPECT_THROW(cube_method_from_name("nonsense"), UsageError);
+    EXPECT_EQ(from_name<CubeMethod>(name_of(method)), method);
+  EXPECT_THROW(from_name<CubeMethod>("nonsense"), UsageError);
 }
 
 }  // namespace

@@ -98,6 +98,18 @@ TEST(CubeMap, SolidAngleIsTheIntegralOfItsDensity) {
   }
 }
 
+// Unit directions of a texel's corners: top left, top right, bottom right, bottom left.
+std::array<V3f, 4> cube_texel_corners(int size, int face, int row, int column) {
+  const double s0 = cube_edge(size, column);
+  const double s1 = cube_edge(size, column + 1);
+  const double t0 = cube_edge(size, row);
+  const double t1 = cube_edge(size, row + 1);
+  // Normalised from the sum of squares in a fixed order of axes: the same point of a seam gives the same bits
+  // whichever face asks.
+  const auto unit = [face](double s, double t) { return V3f(cube_point(face, s, t).normalized()); };
+  return {unit(s0, t0), unit(s1, t0), unit(s1, t1), unit(s0, t1)};
+}
+
 TEST(CubeMap, NeighboursShareTheirCornersExactly) {
   const int size = 7;
   std::map<std::array<float, 3>, int> uses;

@@ -45,10 +45,10 @@ TEST(RadianceMoments, UniformLightInEveryLayout) {
       const Sh9 sh = sh9_from_moments(moments_of(layout, picture));
       // L00 = 2 sqrt(pi) L. Lat-long and cubes are exact; the angular map's rim is (grid/env/angular_map.h).
       const double tolerance = layout != EnvironmentLayout::angular ? 1e-9 : (detail < 4 ? 2e-2 : 1e-4);
-      EXPECT_NEAR(sh.coefficients[0].x / (2 * 2 * std::sqrt(pi_d)), 1, tolerance) << name(layout) << detail;
-      EXPECT_NEAR(sh.coefficients[0].z / (0.25 * 2 * std::sqrt(pi_d)), 1, tolerance) << name(layout) << detail;
+      EXPECT_NEAR(sh.coefficients[0].x / (2 * 2 * std::sqrt(pi_d)), 1, tolerance) << name_of(layout) << detail;
+      EXPECT_NEAR(sh.coefficients[0].z / (0.25 * 2 * std::sqrt(pi_d)), 1, tolerance) << name_of(layout) << detail;
       for (std::size_t i = 1; i < 9; ++i)
-        EXPECT_NEAR(sh.coefficients[i].y / sh.coefficients[0].y, 0, tolerance) << name(layout) << detail << ' ' << i;
+        EXPECT_NEAR(sh.coefficients[i].y / sh.coefficients[0].y, 0, tolerance) << name_of(layout) << detail << ' ' << i;
     }
   }
 }
@@ -71,7 +71,7 @@ TEST(RadianceMoments, KnownCoefficientsComeBackInEveryLayoutAndAxis) {
       // A texel of 1/96 of a right angle, piecewise constant: the mean of a harmonic over it deviates from the
       // harmonic weighted exactly by h^2/24 l(l+1) ~ 7e-5 of the coefficient at l = 2; relative to L00.
       for (std::size_t i = 0; i < 9; ++i)
-        EXPECT_NEAR(sh.coefficients[i][int(c)] / a[c][0], a[c][i] / a[c][0], 1e-4) << name(layout) << i << c;
+        EXPECT_NEAR(sh.coefficients[i][int(c)] / a[c][0], a[c][i] / a[c][0], 1e-4) << name_of(layout) << i << c;
     }
   }
 }
@@ -172,7 +172,7 @@ TEST(AngularMap, TexelsOfDirections) {
 
 TEST(EnvironmentLayout, NamesShapesAndAspects) {
   for (const EnvironmentLayout layout : all_layouts) {
-    EXPECT_EQ(layout_from_name(name(layout)), layout);
+    EXPECT_EQ(from_name<EnvironmentLayout>(name_of(layout)), layout);
     const Picture picture = make_picture(layout, 4, [](const V3d&) { return Rgb(1, 1, 1); });
     EXPECT_EQ(layout_of_aspect(picture.width, picture.height), layout);
     for (const EnvironmentLayout other : all_layouts)
@@ -180,7 +180,7 @@ TEST(EnvironmentLayout, NamesShapesAndAspects) {
   }
   EXPECT_FALSE(layout_of_aspect(5, 4));
   EXPECT_FALSE(layout_of_aspect(0, 0));
-  EXPECT_THROW(layout_from_name("mirror_ball"), UsageError);
+  EXPECT_THROW(from_name<EnvironmentLayout>("mirror_ball"), UsageError);
 }
 
 }  // namespace

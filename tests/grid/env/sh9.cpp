@@ -226,8 +226,8 @@ TEST_F(Dialects, ExtLightsImageBased) {
 TEST_F(Dialects, Names) {
   for (const Sh9Dialect dialect :
        {Sh9Dialect::ivory, Sh9Dialect::filament, Sh9Dialect::three_js, Sh9Dialect::ext_lights_image_based})
-    EXPECT_EQ(sh9_dialect_from_name(name(dialect)), dialect);
-  EXPECT_THROW(sh9_dialect_from_name("unity"), UsageError);
+    EXPECT_EQ(from_name<Sh9Dialect>(name_of(dialect)), dialect);
+  EXPECT_THROW(from_name<Sh9Dialect>("unity"), UsageError);
 }
 
 }  // namespace

@@ -11,15 +11,15 @@
 namespace ivory {
 namespace {
 
-GridSums part(std::uint64_t begin, std::uint64_t end, std::int64_t value) {
-  GridSums sums = test::random_sums(1, Basis::vectors, Estimator::track);
+GridAccumulator part(std::uint64_t begin, std::uint64_t end, std::int64_t value) {
+  GridAccumulator sums = test::random_sums(1, Basis::vectors, Estimator::track);
   sums.photon_begin = begin;
   sums.photon_end = end;
   for (std::size_t i = 0; i < sums.sums.size(); ++i) sums.sums[i] = value * std::int64_t(i);
   return sums;
 }
 
-std::string error_of(std::vector<GridSums> parts) {
+std::string error_of(std::vector<GridAccumulator> parts) {
   try {
     merge(std::move(parts), {"a.vdb", "b.vdb", "c.vdb"});
   } catch (const Error& error) {
@@ -29,8 +29,8 @@ std::string error_of(std::vector<GridSums> parts) {
 }
 
 TEST(Merge, AddsUpExactlyInAnyOrder) {
-  const GridSums whole = part(100, 500, 17 - 3 + 8);
-  const GridSums merged =
+  const GridAccumulator whole = part(100, 500, 17 - 3 + 8);
+  const GridAccumulator merged =
       merge({part(300, 301, -3), part(100, 300, 17), part(301, 500, 8)}, {"a.vdb", "b.vdb", "c.vdb"});
   EXPECT_EQ(merged.sums, whole.sums);
   EXPECT_EQ(merged.counters.at("rays"), 3 * whole.counters.at("rays"));
@@ -49,27 +49,28 @@ TEST(Merge, RefusesOverlapsAndGaps) {
 }
 
 TEST(Merge, RefusesPartsOfOtherBakes) {
-  const std::vector<std::pair<std::string, std::function<void(GridSums&)>>> changes{
-      {"method", [](GridSums& s) { s.metadata["method"] = std::string("other"); }},
-      {"method", [](GridSums& s) { s.metadata.erase("method"); }},
-      {"extra", [](GridSums& s) { s.metadata["extra"] = 1.0; }},
-      {"basis", [](GridSums& s) { s.basis = Basis::vectors9; }},
-      {"estimator", [](GridSums& s) { s.estimator = Estimator::face; }},
-      {"placement", [](GridSums& s) { s.frame.origin_m.x += 1; }},
-      {"fixed-point", [](GridSums& s) { s.quantum *= 2; }},
-      {"one kind of CPU", [](GridSums& s) { s.visible_fraction[0] = 0.123F; }},
-      {"one kind of CPU", [](GridSums& s) { s.guard.clear(); }},
+  const std::vector<std::pair<std::string, std::function<void(GridAccumulator&)>>> changes{
+      {"method", [](GridAccumulator& s) { s.metadata["method"] = std::string("other"); }},
+      {"method", [](GridAccumulator& s) { s.metadata.erase("method"); }},
+      {"extra", [](GridAccumulator& s) { s.metadata["extra"] = 1.0; }},
+      {"light", [](GridAccumulator& s) { s.light = StoredLight::indirect; }},
+      {"basis", [](GridAccumulator& s) { s.basis = Basis::vectors9; }},
+      {"estimator", [](GridAccumulator& s) { s.estimator = Estimator::face; }},
+      {"placement", [](GridAccumulator& s) { s.frame.origin_m.x += 1; }},
+      {"fixed-point", [](GridAccumulator& s) { s.quantum *= 2; }},
+      {"one kind of CPU", [](GridAccumulator& s) { s.visible_fraction[0] = 0.123F; }},
+      {"one kind of CPU", [](GridAccumulator& s) { s.guard.clear(); }},
   };
   for (const auto& [what, change] : changes) {
-    GridSums other = part(10, 20, 1);
+    GridAccumulator other = part(10, 20, 1);
     change(other);
     EXPECT_NE(error_of({part(0, 10, 1), other}).find(what), std::string::npos) << what;
   }
 }
 
 TEST(Merge, RefusesOverflow) {
-  GridSums a = part(0, 10, 0);
-  GridSums b = part(10, 20, 0);
+  GridAccumulator a = part(0, 10, 0);
+  GridAccumulator b = part(10, 20, 0);
   a.sums[3] = b.sums[3] = std::numeric_limits<std::int64_t>::max() / 2 + 1;
   EXPECT_NE(error_of({a, b}).find("64 bits"), std::string::npos);
 }

@@ -110,13 +110,13 @@ TEST(Basis, DirectionalErrorTable) {
       {Basis::sh4, Reconstruction::optimal, 0.1443, 0.25, 0.005, 0},
   };
   for (const TableRow& row : table) {
-    SCOPED_TRACE(std::string(name(row.basis)) + " " + std::string(name(row.reconstruction)));
+    SCOPED_TRACE(std::string(name_of(row.basis)) + " " + std::string(name_of(row.reconstruction)));
     const KernelError error = measure(row.basis, row.reconstruction);
     EXPECT_NEAR(error.mean_rms, row.mean_rms, 0.01 * row.mean_rms);
     EXPECT_NEAR(error.worst, row.worst, 0.01 * row.worst + row.worst_rounding);
     EXPECT_NEAR(error.diagonal_uniform_bias, row.bias, 0.005);
     printf("%-13s %-8s mean rms %.4f pooled rms %.4f worst %.4f diagonal bias %+.4f\n",
-           std::string(name(row.basis)).c_str(), std::string(name(row.reconstruction)).c_str(), error.mean_rms,
+           std::string(name_of(row.basis)).c_str(), std::string(name_of(row.reconstruction)).c_str(), error.mean_rms,
            error.pooled_rms, error.worst, error.diagonal_uniform_bias);
   }
 }
@@ -188,7 +188,7 @@ TEST(Basis, UniformLightIsExactForEveryNormal) {
     for (std::size_t k = 0; k < 12; ++k) moments[3 * k] = float(sums[k]);
     for (const V3f& n : sphere_directions(200)) {
       // 20,000 directions integrate the kinked functions to about 1e-3.
-      EXPECT_NEAR(irradiance(basis, Reconstruction::optimal, moments.data(), n).x, pi, 3e-3) << name(basis);
+      EXPECT_NEAR(irradiance(basis, Reconstruction::optimal, moments.data(), n).x, pi, 3e-3) << name_of(basis);
     }
   }
 }
@@ -216,7 +216,7 @@ TEST(Basis, HemispheresRoundTrip) {
 TEST(Basis, PaperReconstructionIsForVectorsOnly) {
   const std::array<float, 36> moments{};
   EXPECT_THROW(irradiance(Basis::sh9, Reconstruction::paper, moments.data(), V3f(0, 1, 0)), UsageError);
-  EXPECT_THROW(basis_from_name("sh2"), UsageError);
+  EXPECT_THROW(from_name<Basis>("sh2"), UsageError);
 }
 
 }  // namespace

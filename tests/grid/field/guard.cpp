@@ -70,22 +70,43 @@ TEST(Footprint, HiddenAndEmptyVerticesAreLeftOut) {
   IrradianceGrid grid = small_grid();
   const V3f p(1.5F, 1.5F, 1.5F);
   Footprint f = make_footprint(grid.frame, p, Interpolation::trilinear);
-  std::uint64_t visible = 0;
-  for (int i = 0; i < f.count; ++i) {
-    if (f.vertex[std::size_t(i)] % 4 == 1) visible |= std::uint64_t(1) << unsigned(i);
-  }
+  VisibleEntries visible;
+  for (std::size_t i = 0; i < std::size_t(f.count); ++i) visible[i] = f.vertex[i] % 4 == 1;
   restrict_footprint(grid, visible, f);
   EXPECT_NEAR(irradiance(grid, f, V3f(0, 1, 0), Reconstruction::optimal).x, 1, 1e-6F);
 
   // Nothing seen, nothing stored: said so, and the weights stay.
   f = make_footprint(grid.frame, p, Interpolation::trilinear);
-  EXPECT_EQ(restrict_footprint(grid, 0, f), 0);
+  EXPECT_EQ(restrict_footprint(grid, VisibleEntries(), f), 0);
   EXPECT_NEAR(irradiance(grid, f, V3f(0, 1, 0), Reconstruction::optimal).x, 1.5F, 1e-6F);
   for (std::size_t v = 0; v < 64; ++v) {
     if (v % 4 == 1) grid.visible_fraction[v] = 0;
   }
-  EXPECT_NEAR(restrict_footprint(grid, ~std::uint64_t(0), f), 0.5F, 1e-6F);
+  EXPECT_NEAR(restrict_footprint(grid, VisibleEntries().set(), f), 0.5F, 1e-6F);
   EXPECT_NEAR(irradiance(grid, f, V3f(0, 1, 0), Reconstruction::optimal).x, 2, 1e-6F);
+}
+
+// A blend of both interpolations has more entries than a 64-bit number has bits.
+TEST(Footprint, TheLastEntriesOfTheLargestFootprintAreSeenOnTheirOwn) {
+  const IrradianceGrid grid = small_grid();
+  const V3f p(1.4F, 1.5F, 1.6F);
+  Footprint f = blend(make_footprint(grid.frame, p, Interpolation::trilinear),
+                      make_footprint(grid.frame, p, Interpolation::tricubic), 0.5F);
+  ASSERT_EQ(f.count, 72);
+  VisibleEntries visible;
+  visible.set(70);
+  EXPECT_GT(restrict_footprint(grid, visible, f), 0);
+  for (std::size_t i = 0; i < 72; ++i) EXPECT_NEAR(f.weight[i], i == 70 ? 1 : 0, 1e-6F) << i;
+  EXPECT_TRUE(visible_by_guard(grid, p, f).all());
+}
+
+TEST(GridFrame, VertexNumbersAndCoordinatesGoBothWays) {
+  GridFrame frame;
+  frame.size = V3i(3, 4, 5);
+  for (std::size_t v = 0; v < frame.vertex_count(); ++v) {
+    const V3i at = frame.vertex_coordinates(v);
+    EXPECT_EQ(frame.vertex_index(at.x, at.y, at.z), v);
+  }
 }
 
 TEST(Footprint, BlendMixesBoth) {

@@ -18,6 +18,25 @@ struct Numbers {
   }
 };
 
+// The fraction of the cap's solid angle that the mask leaves lit, by cells.
+float lit_fraction(const ShadowMask& mask, const LightCap& cap) {
+  if (!mask.any) return 1;
+  const std::span<const MaskBlock> cells = mask_blocks().subspan(((std::size_t(1) << 2 * mask.depth) - 1) / 3);
+  const int n = 1 << mask.depth;
+  const float t2 = cap.tan_half * cap.tan_half;
+  float lit = 0;
+  float sum = 0;
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) {
+      const MaskBlock& cell = cells[std::size_t(j * n + i)];
+      const float height = 4 * t2 * cell.area / ((1 + t2 * cell.a) * (1 + t2 * cell.b));
+      sum += height;
+      if ((mask.rows[std::size_t(j)] >> unsigned(i) & 1U) == 0) lit += height;
+    }
+  }
+  return lit / sum;
+}
+
 // Fraction of the light's solid angle that the spheres leave lit: 400 x 400 directions of equal solid angle.
 double brute_force(const Sphere& light, const V3f& p, const std::vector<Sphere>& spheres) {
   const LightCap cap = make_light_cap(light, p);

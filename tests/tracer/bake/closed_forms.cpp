@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "grid/field/resolve.h"
 #include "tools/stability/scene_builder.h"
 #include "tracer/bake/field/baker.h"
 
@@ -91,16 +92,13 @@ Comparison compare(const LitScene& world, GridBakeParams params, std::uint64_t p
   std::vector<IrradianceGrid> grids;
   for (std::uint64_t b = 0; b < batches; ++b) {
     params.photon_range = {photons * b / batches, photons * (b + 1) / batches};
-    grids.push_back(finish(bake_grid_sums(world, params)));
+    grids.push_back(resolve(bake_grid_sums(world, params)));
   }
   Comparison out;
   int ratios = 0;
   const GridFrame& frame = grids[0].frame;
   for (std::size_t v = 0; v < frame.vertex_count(); ++v) {
-    const V3f index(float(v % std::size_t(frame.size.x)),
-                    float(v / std::size_t(frame.size.x) % std::size_t(frame.size.y)),
-                    float(v / std::size_t(frame.size.x) / std::size_t(frame.size.y)));
-    const auto expected = truth(frame.to_world(index));
+    const auto expected = truth(frame.to_world(V3f(frame.vertex_coordinates(v))));
     if (!expected) continue;
     std::array<double, 54> sum{};
     std::array<double, 54> squares{};
@@ -154,7 +152,7 @@ std::array<double, 54> directional_vectors(const V3d& w, const Rgb& irradiance) 
 
 class ClosedForm : public testing::TestWithParam<Estimator> {};
 
-std::string estimator_name(const testing::TestParamInfo<Estimator>& info) { return std::string(name(info.param)); }
+std::string estimator_name(const testing::TestParamInfo<Estimator>& info) { return std::string(name_of(info.param)); }
 INSTANTIATE_TEST_SUITE_P(Estimators, ClosedForm, testing::Values(Estimator::track, Estimator::face), estimator_name);
 
 GridBakeParams params_of(Estimator estimator, const GridFrame& frame) {
@@ -266,7 +264,7 @@ TEST_P(ClosedForm, EnergyLedger) {
       GridBakeParams params = params_of(GetParam(), centred_frame(2, 0.8F));
       params.photons = 20'000;
       params.max_bounces = bounces;
-      const GridSums sums = bake_grid_sums(*w, params);
+      const GridAccumulator sums = bake_grid_sums(*w, params);
       const auto& c = sums.counters;
       EXPECT_EQ(c.at("ledger_emitted"), c.at("ledger_absorbed") + c.at("ledger_escaped") + c.at("ledger_terminated"));
       EXPECT_GT(c.at("ledger_emitted"), 0);

@@ -162,7 +162,7 @@ TEST(Deposit, SumsAreTheSameInAnyOrder) {
       b.deposit({segments.begin() + 331, segments.begin() + 700});
       b.flush();
       a.flush();
-      EXPECT_EQ(whole.sums, parts.sums) << name(basis) << " " << name(estimator);
+      EXPECT_EQ(whole.sums, parts.sums) << name_of(basis) << " " << name_of(estimator);
       EXPECT_NE(std::accumulate(whole.sums.begin(), whole.sums.end(), std::int64_t(0)), 0);
     }
   }
@@ -230,10 +230,10 @@ TEST(Deposit, WeakPhotonsAreNotLostToRounding) {
         const double variance = std::max(0.0, squares[c] / batches - mean * mean);
         // 1e-5: single precision on the way, as a share of the light.
         EXPECT_NEAR(mean, truth, 5 * std::sqrt(variance / (batches - 1)) + 1e-5 * truth)
-            << name(way.estimator) << " " << int(way.walk) << " " << power;
+            << name_of(way.estimator) << " " << int(way.walk) << " " << power;
         // At most a quarter of a quantum^2 for each deposit, six a photon, all alike along a photon.
         EXPECT_LT(variance, 4000 * (0.25 * 36 * target.quantum * target.quantum) + 1e-9 * truth * truth)
-            << name(way.estimator) << " " << power << " " << voxel_m;
+            << name_of(way.estimator) << " " << power << " " << voxel_m;
       }
     }
   }

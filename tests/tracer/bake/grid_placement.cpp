@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "grid/base/error.h"
+#include "grid/field/resolve.h"
 #include "tools/stability/fiv_shapes.h"
 #include "tracer/bake/field/baker.h"
 
@@ -28,7 +29,7 @@ GridBakeParams small_bake(std::uint64_t seed) {
   return params;
 }
 
-GridSums bake(const Scene& scene, const GridBakeParams& params) {
+GridAccumulator bake(const Scene& scene, const GridBakeParams& params) {
   return bake_grid_sums(make_lit_scene(scene), params);
 }
 
@@ -49,10 +50,10 @@ TEST(GridPlacement, CoversTheBoundsGivenWhateverIsAround) {
 
   // Light under the dome is that of the room alone: the two differ as two bakes of the room do. Both squares are sums
   // over 512 vertices of 36 moments; 1.3 is beyond what a sum of some hundred independent squares reaches (4 sigma).
-  const IrradianceGrid with = finish(bake(dome, in_dome));
+  const IrradianceGrid with = resolve(bake(dome, in_dome));
   const Scene room = room_under_dome(false);
-  const IrradianceGrid alone = finish(bake(room, small_bake(2)));
-  const IrradianceGrid again = finish(bake(room, small_bake(3)));
+  const IrradianceGrid alone = resolve(bake(room, small_bake(2)));
+  const IrradianceGrid again = resolve(bake(room, small_bake(3)));
   const double noise = squares(alone, again);
   EXPECT_GT(noise, 0);
   EXPECT_LT(squares(with, alone), 1.3 * noise);
@@ -90,13 +91,13 @@ TEST(GridThreads, AreAsManyAsMemoryHolds) {
   GridBakeParams params = small_bake(1);
   const GridFrame frame = default_frame(scene, params);
   const LitScene lit = make_lit_scene(scene);
-  const GridSums free = bake(scene, params);
+  const GridAccumulator free = bake(scene, params);
   params.threads = 1000;
   params.max_memory_bytes = 2'000'000;  // 1000 threads would need 200 MB
   const int threads = affordable_threads(lit, frame, params);
   EXPECT_GE(threads, 1);
   EXPECT_LT(threads, 20);
-  const GridSums bound = bake(scene, params);
+  const GridAccumulator bound = bake(scene, params);
   EXPECT_EQ(bound.sums, free.sums);
   EXPECT_EQ(bound.counters, free.counters);
   params.max_memory_bytes = 100'000;

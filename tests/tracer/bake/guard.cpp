@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "grid/field/resolve.h"
 #include "tests/support/paths.h"
 #include "tracer/bake/field/baker.h"
 #include "tracer/gltf/loader.h"
@@ -47,7 +48,7 @@ struct Baked {
     params.basis = basis;
     params.guard = guard;
     params.photons = photons;
-    return finish(bake_grid_sums(lit, params));
+    return resolve(bake_grid_sums(lit, params));
   }
   double mean_irradiance(const IrradianceGrid& grid, Guard guard, const std::vector<SurfacePoint>& points) const {
     double sum = 0;
@@ -61,7 +62,7 @@ class Leak : public testing::TestWithParam<std::tuple<const char*, int, Basis>> 
 
 std::string leak_name(const testing::TestParamInfo<Leak::ParamType>& info) {
   return std::string(std::get<0>(info.param)) + "_" + std::to_string(std::get<1>(info.param)) + "_" +
-         std::string(name(std::get<2>(info.param)));
+         std::string(name_of(std::get<2>(info.param)));
 }
 
 INSTANTIATE_TEST_SUITE_P(ThinWall, Leak,
@@ -145,7 +146,7 @@ TEST(Variance, PredictsTheSpreadOfBakes) {
     params.photons = 30'000;
     params.seed = std::uint64_t(seed + 1);
     params.guard = Guard::off;
-    grids.push_back(finish(bake_grid_sums(baked.lit, params)));
+    grids.push_back(resolve(bake_grid_sums(baked.lit, params)));
   }
   double predicted = 0;
   double measured = 0;

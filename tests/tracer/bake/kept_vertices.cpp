@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "grid/field/resolve.h"
 #include "tools/stability/scene_builder.h"
 #include "tracer/bake/field/baker.h"
 #include "tracer/render/guard_rays.h"
@@ -63,9 +64,9 @@ TEST(KeptVertices, SurfacesReadTheSame) {
   params.resolution = V3i(20, 20, 20);
   params.photons = 20'000;
   params.include_direct = true;
-  const IrradianceGrid full = finish(bake_grid_sums(lit, params));
+  const IrradianceGrid full = resolve(bake_grid_sums(lit, params));
   params.dynamic_regions.emplace();
-  const IrradianceGrid sparse = finish(bake_grid_sums(lit, params));
+  const IrradianceGrid sparse = resolve(bake_grid_sums(lit, params));
   const V3f n = V3f(0, 2, -1).normalized();
   for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::tricubic}) {
     LookupParams lookup;

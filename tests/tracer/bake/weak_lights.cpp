@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "grid/field/resolve.h"
 #include "tests/support/statistics.h"
 #include "tools/stability/scene_builder.h"
 #include "tracer/bake/field/baker.h"
@@ -54,7 +55,7 @@ Measured measure(const LitScene& world, GridBakeParams params, int seeds) {
   Measured m;
   for (int seed = 1; seed <= seeds; ++seed) {
     params.seed = std::uint64_t(seed);
-    const IrradianceGrid grid = finish(bake_grid_sums(world, params));
+    const IrradianceGrid grid = resolve(bake_grid_sums(world, params));
     const auto vectors = hemispheres_from_moments(std::span<const float, 36>(grid.at(0), 36));
     for (unsigned c = 0; c < 3; ++c) {
       m.up[c].add(double(vectors[9 * 2 + 3 + c]));
@@ -126,9 +127,9 @@ TEST(WeakLights, PartsMergeToTheSameBits) {
   const LitScene world = make_lit_scene(sun_and_room(true, dim));
   GridBakeParams params = params_at(V3f(0, 0, 0), 1.2F, 20'000);
   params.threads = 1;
-  const GridSums whole = bake_grid_sums(world, params);
+  const GridAccumulator whole = bake_grid_sums(world, params);
   params.threads = 2;
-  std::vector<GridSums> parts;
+  std::vector<GridAccumulator> parts;
   for (const auto& range : {std::pair<std::uint64_t, std::uint64_t>{0, 7001}, {7001, 20'000}}) {
     params.photon_range = range;
     parts.push_back(bake_grid_sums(world, params));

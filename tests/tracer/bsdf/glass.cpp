@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "grid/field/resolve.h"
 #include "tests/support/gltf_check.h"
 #include "tests/support/lit_scene.h"
 #include "tracer/bake/field/baker.h"
@@ -89,7 +90,7 @@ TEST(Glass, LetsTheSkyIntoARoomForPhotons) {
     params.guard = Guard::off;
     params.include_direct = true;
     params.seed = seed;
-    const IrradianceGrid grid = finish(bake_grid_sums(lit, params));
+    const IrradianceGrid grid = resolve(bake_grid_sums(lit, params));
     double mean = 0;
     for (std::size_t vertex = 0; vertex < 8; ++vertex) mean += double(grid.at(vertex)[2 * 3 + 1]) / 8;
     photons.add(mean);

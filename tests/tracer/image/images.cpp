@@ -10,9 +10,10 @@
 #include <gtest/gtest.h>
 
 #include "grid/base/error.h"
+#include "grid/env/latlong_map.h"
+#include "grid/io/environment.h"
 #include "tests/support/paths.h"
 #include "tracer/core/camera.h"
-#include "tracer/env/latlong_map.h"
 #include "tracer/image/compare.h"
 #include "tracer/image/file.h"
 

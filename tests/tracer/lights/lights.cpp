@@ -10,10 +10,10 @@
 #include <gtest/gtest.h>
 
 #include "grid/base/error.h"
+#include "grid/env/latlong_map.h"
 #include "tests/support/lights_check.h"
 #include "tracer/core/alias_table.h"
 #include "tracer/core/sampling.h"
-#include "tracer/env/latlong_map.h"
 
 namespace ivory {
 namespace {

@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "grid/field/resolve.h"
 #include "tests/support/statistics.h"
 #include "tools/stability/scene_builder.h"
 #include "tracer/bake/field/baker.h"
@@ -35,7 +36,7 @@ std::vector<Accumulator> by_photons(const LitScene& lit, const V3f& low, bool di
     params.guard = Guard::off;
     params.include_direct = direct;
     params.seed = seed;
-    const IrradianceGrid grid = finish(bake_grid_sums(lit, params));
+    const IrradianceGrid grid = resolve(bake_grid_sums(lit, params));
     for (std::size_t i = 0; i < 9; ++i) {
       double mean = 0;
       for (std::size_t vertex = 0; vertex < 8; ++vertex) mean += double(grid.at(vertex)[i]) / 8;

@@ -79,18 +79,7 @@ void main() {
 
 enum Mode { tone_mapped = 0, false_color = 1, difference = 2, display_difference = 3 };
 
-constexpr std::array<std::string_view, 4> curve_names{"neutral", "linear", "reinhard", "aces"};
-
 }  // namespace
-
-std::string_view name(ToneCurve curve) { return curve_names[std::size_t(curve)]; }
-
-ToneCurve tone_curve_from_name(std::string_view text) {
-  for (const ToneCurve curve : all_tone_curves) {
-    if (name(curve) == text) return curve;
-  }
-  throw UsageError("unknown tone curve '" + std::string(text) + "'; one of neutral, linear, reinhard, aces");
-}
 
 DisplayPass::DisplayPass()
     : program_(gl::make_program("display", full_picture_vertex_shader, fragment_shader)),

@@ -1,8 +1,7 @@
 // From linear light, or numbers, to what a display shows.
 #pragma once
 
-#include <string_view>
-
+#include "grid/base/names.h"
 #include "runtime/gl/gl.h"
 #include "tools/view/draw/colormap.h"
 
@@ -15,10 +14,13 @@ enum class ToneCurve {
              // eq. 3)
   aces,      // Narkowicz' fit to ACES, "ACES Filmic Tone Mapping Curve", 2015
 };
-inline constexpr std::array<ToneCurve, 4> all_tone_curves{ToneCurve::neutral, ToneCurve::linear, ToneCurve::reinhard,
-                                                          ToneCurve::aces};
-std::string_view name(ToneCurve curve);
-ToneCurve tone_curve_from_name(std::string_view name);  // throws UsageError
+template <>
+inline constexpr auto name_table<ToneCurve> = make_name_table<ToneCurve>("tone curve",
+                                                                         {{ToneCurve::neutral, "neutral"},
+                                                                          {ToneCurve::linear, "linear"},
+                                                                          {ToneCurve::reinhard, "reinhard"},
+                                                                          {ToneCurve::aces, "aces"}});
+inline constexpr auto all_tone_curves = values_of<ToneCurve>();
 
 struct ToneParams {
   ToneCurve curve = ToneCurve::neutral;

@@ -41,7 +41,7 @@ RuntimeCamera runtime_camera(const ViewSession& session, const ViewTarget& targe
 void require_inputs(const ViewSession& session, const ViewTarget& target) {
   const DebugView view = session.settings.debug;
   if (const std::string lack = lacks(session, view); !lack.empty())
-    throw UsageError(fmt::format("debug view {}: {}", name(view), lack));
+    throw UsageError(fmt::format("debug view {}: {}", name_of(view), lack));
   if (view != DebugView::difference) return;
   const Film& film = session.reference->film;
   if (film.width != target.width() || film.height != target.height())

@@ -155,9 +155,9 @@ gl::Program& OverlayPass::program(const GridAsset& grid, DebugView view) {
   const bool vectors = view == DebugView::vectors;
   const std::string defines =
       grid_defines(grid.gpu) + "const bool show_empty = " + (view == DebugView::validity ? "true;\n" : "false;\n");
-  gl::Program& found = programs_[defines + std::string(name(view))];
+  gl::Program& found = programs_[defines + std::string(name_of(view))];
   if (!found) {
-    found = gl::make_program(std::string(name(view)),
+    found = gl::make_program(std::string(name_of(view)),
                              defines + instance_functions + (vectors ? vector_vertex : sphere_vertex),
                              defines + (vectors ? vector_fragment : sphere_fragment));
   }
@@ -167,7 +167,7 @@ gl::Program& OverlayPass::program(const GridAsset& grid, DebugView view) {
 void OverlayPass::draw(const GridAsset& grid, const RuntimeCamera& camera, const ViewSettings& settings) {
   const bool vectors = settings.debug == DebugView::vectors;
   if (vectors && grid.gpu.basis != Basis::vectors)
-    throw UsageError("debug view vectors needs a grid of basis vectors, not " + std::string(name(grid.gpu.basis)));
+    throw UsageError("debug view vectors needs a grid of basis vectors, not " + std::string(name_of(grid.gpu.basis)));
   const GridFrame& frame = grid.gpu.frame;
   const int step = settings.vertex_step > 0 ? settings.vertex_step : automatic_vertex_step(frame);
   const V3i shown = shown_vertices(frame, step);

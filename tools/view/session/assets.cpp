@@ -10,17 +10,13 @@
 #include "grid/io/fiv.h"
 #include "grid/io/sh9.h"
 #include "grid/io/sphere_set.h"
-#include "grid/io/vdb/vdb.h"
+#include "tools/cli/vdb_input.h"
 
 namespace ivory {
 
 namespace {
 
-std::string text_of(const Metadata& metadata, const char* key) {
-  const auto found = metadata.find(key);
-  const auto* text = found == metadata.end() ? nullptr : std::get_if<std::string>(&found->second);
-  return text == nullptr ? std::string() : *text;
-}
+std::string text_of(const Metadata& metadata, const char* key) { return find_text(metadata, key).value_or(""); }
 
 float luminance_vector_length(const float* components) {  // [xyz][rgb]
   V3f v;
@@ -74,7 +70,7 @@ GridAsset make_grid_asset(const std::string& path, const IrradianceGrid& grid) {
       gl::make_texture_3d(path, gl::Format::r16f, grid.frame.size, grid.visible_fraction.data(), gl::Filter::nearest);
   asset.typical_vector_lux = typical_vector(grid);
   asset.mean_e_lux = mean_irradiance(grid);
-  asset.holds_direct = text_of(grid.metadata, "light") == "direct and indirect";
+  asset.holds_direct = grid.light != StoredLight::indirect;
   asset.scene_hash = text_of(grid.metadata, "scene_hash");
   return asset;
 }
@@ -110,7 +106,7 @@ std::size_t ViewAsset::bytes() const {
 std::unique_ptr<ViewAsset> load_view_asset(const std::string& path, FileKind kind) {
   switch (kind) {
     case FileKind::grid:
-      return make_asset(path, make_grid_asset(path, read_grid_vdb(path)));
+      return make_asset(path, make_grid_asset(path, load_grid_vdb(path)));
     case FileKind::sh9: {
       const Sh9Asset sh9 = read_sh9(path);
       return make_asset(path, upload(sh9.sh), text_of(sh9.metadata, "environment_hash"));

@@ -78,12 +78,12 @@ std::string lacks(const ViewSession& session, ViewMethod method) {
     return "the scene has no spherical light (--sphere-light)";
   if (method == ViewMethod::none || method == ViewMethod::constant) return "";
   const ViewAsset* asset = asset_for(session, method);
-  if (asset == nullptr) return fmt::format("no asset that method {} reads was given", name(method));
+  if (asset == nullptr) return fmt::format("no asset that method {} reads was given", name_of(method));
   if (const auto* grid = std::get_if<GridAsset>(&asset->data);
       grid != nullptr && session.settings.lookup.reconstruction == Reconstruction::paper &&
       grid->gpu.basis != Basis::vectors)
     return fmt::format("--reconstruction paper needs a grid of basis vectors, {} has {}", asset->path,
-                       name(grid->gpu.basis));
+                       name_of(grid->gpu.basis));
   if (method == ViewMethod::fiv && !session.fiv_tables) return "no FIV table was given";
   return "";
 }
@@ -97,7 +97,7 @@ std::string lacks(const ViewSession& session, DebugView view) {
   if (by_guard && !grid.guarded) return "it needs a grid with a leak guard";
   const bool six = view == DebugView::vectors || view == DebugView::bracket;
   if (six && grid.basis != Basis::vectors)
-    return fmt::format("it needs a grid of basis vectors, {} has {}", session.debug_grid->label(), name(grid.basis));
+    return fmt::format("it needs a grid of basis vectors, {} has {}", session.debug_grid->label(), name_of(grid.basis));
   return "";
 }
 

@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
+#include "grid/env/irradiance.h"
 #include "tools/cli/dynamic_objects.h"
 #include "tools/view/session/occluders.h"
 #include "tracer/core/camera.h"
-#include "tracer/env/irradiance.h"
 #include "tracer/gltf/loader.h"
 #include "tracer/image/file.h"
 #include "tracer/lights/sphere.h"
@@ -212,7 +212,7 @@ std::string add_file(ViewSession& session, const std::string& path, const std::o
       throw;
     }
   }
-  return fmt::format("{}: {}", file_name(path), name(kind));
+  return fmt::format("{}: {}", file_name(path), name_of(kind));
 }
 
 void set_reference(ViewSession& session, const std::string& path, const Imath::V2i& size) {

@@ -1,10 +1,10 @@
 // What the viewer's user chooses.
 #pragma once
 
-#include <array>
 #include <optional>
 #include <string_view>
 
+#include "grid/base/names.h"
 #include "grid/cubemap/localized.h"
 #include "grid/field/irradiance_grid.h"
 #include "grid/fiv/light.h"
@@ -15,10 +15,17 @@ namespace ivory {
 
 // Where an object's ambient light comes from.
 enum class ViewMethod { none, constant, sh9, difmap, grid, fiv, cubemap, lobes };
-inline constexpr std::array<ViewMethod, 8> all_view_methods{ViewMethod::none,    ViewMethod::constant, ViewMethod::sh9,
-                                                            ViewMethod::difmap,  ViewMethod::grid,     ViewMethod::fiv,
-                                                            ViewMethod::cubemap, ViewMethod::lobes};
-std::string_view name(ViewMethod method);
+template <>
+inline constexpr auto name_table<ViewMethod> = make_name_table<ViewMethod>("method",
+                                                                           {{ViewMethod::none, "none"},
+                                                                            {ViewMethod::constant, "constant"},
+                                                                            {ViewMethod::sh9, "sh9"},
+                                                                            {ViewMethod::difmap, "difmap"},
+                                                                            {ViewMethod::grid, "grid"},
+                                                                            {ViewMethod::fiv, "fiv"},
+                                                                            {ViewMethod::cubemap, "cubemap"},
+                                                                            {ViewMethod::lobes, "lobes"}});
+inline constexpr auto all_view_methods = values_of<ViewMethod>();
 // "direct", what ivory render calls it, is grid. Throws UsageError for an unknown one.
 ViewMethod view_method_from_name(std::string_view name);
 
@@ -35,12 +42,20 @@ enum class DebugView {
   validity,    // the same, by the share of its cell that a vertex sees
   vectors,     // the six irradiance vectors of each vertex
 };
-inline constexpr std::array<DebugView, 10> all_debug_views{
-    DebugView::none,  DebugView::irradiance, DebugView::stored,   DebugView::bracket,  DebugView::kept,
-    DebugView::guard, DebugView::difference, DebugView::vertices, DebugView::validity, DebugView::vectors};
-std::string_view name(DebugView view);
-DebugView debug_view_from_name(std::string_view name);  // throws UsageError
-std::string_view summary(DebugView view);               // for help and tooltips
+template <>
+inline constexpr auto name_table<DebugView> = make_name_table<DebugView>("debug view",
+                                                                         {{DebugView::none, "none"},
+                                                                          {DebugView::irradiance, "irradiance"},
+                                                                          {DebugView::stored, "stored"},
+                                                                          {DebugView::bracket, "bracket"},
+                                                                          {DebugView::kept, "kept"},
+                                                                          {DebugView::guard, "guard"},
+                                                                          {DebugView::difference, "difference"},
+                                                                          {DebugView::vertices, "vertices"},
+                                                                          {DebugView::validity, "validity"},
+                                                                          {DebugView::vectors, "vectors"}});
+inline constexpr auto all_debug_views = values_of<DebugView>();
+std::string_view summary(DebugView view);  // for help and tooltips
 
 bool needs_grid(DebugView view);
 // Shown in false colour whatever the user chooses?

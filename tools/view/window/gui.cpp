@@ -22,11 +22,11 @@ void tooltip(const std::string& text) {
 template <typename Value, typename Values, typename Lack>
 bool choose(const char* label, Value& value, const Values& all, const Lack& lack) {
   bool changed = false;
-  if (!ImGui::BeginCombo(label, std::string(name(value)).c_str())) return false;
+  if (!ImGui::BeginCombo(label, std::string(name_of(value)).c_str())) return false;
   for (const Value candidate : all) {
     const std::string why_not = lack(candidate);
     const ImGuiSelectableFlags flags = why_not.empty() ? 0 : ImGuiSelectableFlags_Disabled;
-    if (ImGui::Selectable(std::string(name(candidate)).c_str(), candidate == value, flags) && candidate != value) {
+    if (ImGui::Selectable(std::string(name_of(candidate)).c_str(), candidate == value, flags) && candidate != value) {
       value = candidate;
       changed = true;
     }
@@ -167,7 +167,7 @@ void draw_camera(const ViewSession& session, GuiRequest& request) {
 void draw_assets(const ViewSession& session, const GuiState& state) {
   if (ImGui::CollapsingHeader("Assets")) {
     for (const auto& asset : session.assets)
-      ImGui::Text("%s: %s, %s", asset->label().c_str(), std::string(name(asset->kind())).c_str(),
+      ImGui::Text("%s: %s, %s", asset->label().c_str(), std::string(name_of(asset->kind())).c_str(),
                   format_bytes(asset->bytes()).c_str());
     if (!session.environment.empty()) ImGui::Text("environment %s", session.environment.c_str());
     ImGui::TextDisabled("Drop files here: models, assets, images");

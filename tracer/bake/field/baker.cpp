@@ -42,12 +42,11 @@ std::string text_of(const std::vector<Box3f>& boxes) {
 Metadata describe(const Scene& scene, const GridBakeParams& params, std::uint64_t photons, const SumLayout& layout) {
   Metadata m;
   m["method"] = std::string("irradiance grid");
-  m["basis"] = std::string(name(params.basis));
-  m["estimator"] = std::string(name(params.estimator));
+  m["basis"] = std::string(name_of(params.basis));
+  m["estimator"] = std::string(name_of(params.estimator));
   m["guard"] = std::string(params.guard == Guard::off ? "off" : "on");  // rays and planes bake the same
   m["photons"] = static_cast<std::int64_t>(photons);
   m["max_bounces"] = static_cast<std::int64_t>(params.max_bounces);
-  m["light"] = std::string(params.include_direct ? "direct and indirect" : "indirect");
   m["seed"] = static_cast<std::int64_t>(params.seed);
   m["scene"] = scene.name;
   m["scene_hash"] = scene.content_hash;
@@ -135,7 +134,7 @@ int affordable_threads(const LitScene& lit, const GridFrame& frame, const GridBa
               "ask for a lower --resolution, or for a part of the scene by --bounds");
 }
 
-GridSums bake_grid_sums(const LitScene& lit, const GridBakeParams& params) {
+GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params) {
   const Scene& scene = *lit.scene;
   if (lit.lights.empty())
     throw Error(scene.name, "nothing in it shines", "add a light or an emissive material, or give --env");
@@ -163,7 +162,7 @@ GridSums bake_grid_sums(const LitScene& lit, const GridBakeParams& params) {
       if (!kept[v]) masks[v] = 0;
     }
   }
-  GridSums result;
+  GridAccumulator result;
   result.visible_fraction = visible_fractions(masks);
   const PhotonTracer tracer(
       lit, {.max_bounces = params.max_bounces, .include_direct = params.include_direct, .seed = params.seed});
@@ -214,6 +213,7 @@ GridSums bake_grid_sums(const LitScene& lit, const GridBakeParams& params) {
 
   result.frame = frame;
   result.basis = params.basis;
+  result.light = params.include_direct ? StoredLight::direct_and_indirect : StoredLight::indirect;
   result.estimator = params.estimator;
   result.quantum = target.quantum;
   result.quantum_squared = target.quantum_squared;

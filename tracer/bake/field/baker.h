@@ -45,6 +45,6 @@ int affordable_threads(const LitScene& lit, const GridFrame& frame, const GridBa
 
 // Traces the photons and returns what they left, on affordable_threads(); the sums do not depend on how many. Throws
 // Error where nothing shines, where memory would not suffice, and as default_frame() does.
-GridSums bake_grid_sums(const LitScene& lit, const GridBakeParams& params);
+GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params);
 
 }  // namespace ivory

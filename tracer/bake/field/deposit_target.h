@@ -18,7 +18,7 @@ struct DepositTarget {
   Basis basis = Basis::vectors;
   Estimator estimator = Estimator::track;
   SumLayout layout;
-  double quantum = 0;  // as in GridSums
+  double quantum = 0;  // as in GridAccumulator
   double quantum_squared = 0;
   int fine_bits = 0;  // deposits are counted in coarse units of 2^fine_bits quanta, those too small for that in quanta
   std::vector<std::uint64_t> cell_masks;  // [vertex] 4x4x4 subcells that the vertex sees, x fastest; track only
@@ -43,7 +43,7 @@ DepositTarget make_deposit_target(const GridFrame& frame, Basis basis, Estimator
 // light: their deposits are 2^12 coarse units, and second moments 2^6.
 int fine_bits(const Lights::PhotonPower& power);
 
-// The sums as a GridSums keeps them, [vertex][slot][lane].
+// The sums as a GridAccumulator keeps them, [vertex][slot][lane].
 std::vector<std::int64_t> sums_by_vertex(const DepositTarget& target);
 
 // The part of a segment inside the grid's box, in index coordinates shifted by one half: vertex i's cell

@@ -164,13 +164,10 @@ std::vector<GuardRecord> fit_guard(const Intersector& intersector, const GridFra
                                    const std::vector<float>& visible_fraction, const std::vector<bool>& lit,
                                    const GuardFitParams& params) {
   std::vector<GuardRecord> records(frame.vertex_count());
-  const auto row = std::size_t(frame.size.x);
-  const auto plane = row * std::size_t(frame.size.y);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, records.size(), 64), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v) {
       if (visible_fraction[v] <= 0) continue;
-      const V3f vertex(static_cast<float>(v % row), static_cast<float>(v % plane / row), static_cast<float>(v / plane));
-      const Samples samples = trace_samples(intersector, frame, vertex, v, params);
+      const Samples samples = trace_samples(intersector, frame, V3f(frame.vertex_coordinates(v)), v, params);
       if (!samples.hidden.empty()) records[v] = fit_vertex(samples, lit[v], params);
     }
   });

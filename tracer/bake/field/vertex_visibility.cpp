@@ -67,11 +67,7 @@ std::vector<std::uint64_t> vertex_cell_masks(const Intersector& intersector, con
   if (intersector.radius_m() == 0) return masks;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, masks.size(), 256), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v) {
-      const auto row = std::size_t(frame.size.x);
-      const auto plane = row * std::size_t(frame.size.y);
-      masks[v] = cell_mask(
-          intersector, frame,
-          V3f(static_cast<float>(v % row), static_cast<float>(v % plane / row), static_cast<float>(v / plane)));
+      masks[v] = cell_mask(intersector, frame, V3f(frame.vertex_coordinates(v)));
     }
   });
   return masks;

@@ -1,5 +1,5 @@
 // Irradiance summed over an environment map's texels: closed forms, quadrature, and the tree's bounds.
-#include "tracer/env/irradiance_sum.h"
+#include "grid/env/irradiance_sum.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include "tracer/env/irradiance.h"
-#include "tracer/env/latlong_map.h"
+#include "grid/env/environment_image.h"
+#include "grid/env/irradiance.h"
+#include "grid/env/latlong_map.h"
 
 namespace ivory {
 namespace {

@@ -13,12 +13,13 @@
 
 #include "grid/base/error.h"
 #include "grid/env/cube_from_latlong.h"
+#include "grid/env/environment_image.h"
+#include "grid/env/irradiance.h"
+#include "grid/env/latlong_map.h"
+#include "grid/io/environment.h"
 #include "tests/support/environment_pictures.h"
 #include "tests/support/paths.h"
 #include "tests/support/scene_check.h"
-#include "tracer/env/irradiance.h"
-#include "tracer/env/latlong_map.h"
-#include "tracer/image/file.h"
 
 namespace ivory {
 namespace {
@@ -35,11 +36,9 @@ class EnvironmentFiles : public testing::Test {
   }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
   std::string write(const std::string& name, const Picture& picture) const {
-    Film film;
-    film.width = picture.width;
-    film.height = picture.height;
-    film.pixels = picture.texels;
-    write_image(path(name), film, 0, {}, true);
+    const auto output = OIIO::ImageOutput::create(path(name));
+    EXPECT_TRUE(output->open(path(name), OIIO::ImageSpec(picture.width, picture.height, 3, OIIO::TypeDesc::FLOAT)));
+    EXPECT_TRUE(output->write_image(OIIO::TypeDesc::FLOAT, picture.texels.data()) && output->close());
     return path(name);
   }
   std::string message(const std::string& file, std::optional<EnvironmentLayout> layout = {}) const {
@@ -64,7 +63,7 @@ TEST_F(EnvironmentFiles, EveryLayoutShowsTheSameWorld) {
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
   for (const EnvironmentLayout layout : all_layouts) {
-    const std::string file = write(std::string(name(layout)) + ".exr", make_picture(layout, 32, sky));
+    const std::string file = write(std::string(name_of(layout)) + ".exr", make_picture(layout, 32, sky));
     EXPECT_EQ(load_environment_image(file).layout, layout);
     const EnvironmentMap map = load_environment(file);
     ASSERT_EQ(map.width, 2 * map.height);
@@ -75,7 +74,7 @@ TEST_F(EnvironmentFiles, EveryLayoutShowsTheSameWorld) {
       const Rgb seen = eval(map, V3f(w));
       const Rgb real = sky(w);
       // Within a texel of both maps, a right angle / 32, slopes up to 1.5: 0.07; at the angular map's rim twice.
-      for (unsigned c = 0; c < 3; ++c) EXPECT_NEAR(seen[c], real[c], 0.15) << name(layout);
+      for (unsigned c = 0; c < 3; ++c) EXPECT_NEAR(seen[c], real[c], 0.15) << name_of(layout);
     }
   }
 }
@@ -88,7 +87,7 @@ TEST_F(EnvironmentFiles, ResamplingKeepsFluxConstantsAndSuns) {
       // The angular map's own texels cover the sphere to 4e-3 at 4 x 4, 1e-4 from 16 x 16 on.
       const float tolerance = layout != EnvironmentLayout::angular ? 1e-6F : (detail == 1 ? 2e-2F : 2e-4F);
       for (const Rgb& texel : uniform.radiance) {
-        EXPECT_NEAR(texel.x / 3, 1, tolerance) << name(layout) << detail;
+        EXPECT_NEAR(texel.x / 3, 1, tolerance) << name_of(layout) << detail;
         EXPECT_NEAR(texel.y / 0.5, 1, tolerance);
         EXPECT_EQ(texel.z, 0);
       }
@@ -109,7 +108,7 @@ TEST_F(EnvironmentFiles, ResamplingKeepsFluxConstantsAndSuns) {
       const RadianceMoments after = radiance_moments({EnvironmentLayout::latlong, map});
       for (int c = 0; c < 3; ++c) {
         // Floats, millions of roundings of either sign; the cube's own quadrature to 1e-9.
-        EXPECT_NEAR(after.total[c] / before.total[c], 1, 1e-6) << name(layout) << detail;
+        EXPECT_NEAR(after.total[c] / before.total[c], 1, 1e-6) << name_of(layout) << detail;
         // And it comes from the same side: suns move by less than a texel of either map.
         for (std::size_t i = 0; i < 3; ++i)
           EXPECT_NEAR(after.first[i][c] / before.total[c], before.first[i][c] / before.total[c], 0.7 / detail);
@@ -166,7 +165,7 @@ TEST_F(EnvironmentFiles, LayoutIsAskedForOrReadOrSeen) {
   EXPECT_EQ(load_environment_image(file).layout, EnvironmentLayout::latlong);
   const std::string refused = message(file, EnvironmentLayout::cube);
   EXPECT_NE(refused.find("16 x 8"), std::string::npos) << refused;
-  EXPECT_NE(refused.find("--layout says cube"), std::string::npos) << refused;
+  EXPECT_NE(refused.find("the layout given is cube"), std::string::npos) << refused;
   const std::string square = write("b.exr", make_picture(EnvironmentLayout::angular, 4, sky));
   EXPECT_EQ(message(square), "");
   EXPECT_NE(message(square, EnvironmentLayout::latlong).find("twice as wide as high"), std::string::npos);
@@ -194,7 +193,7 @@ TEST_F(EnvironmentFiles, BadInputIsOneClearLine) {
   expect(write("odd.exr", {7, 5, std::vector<Rgb>(35, Rgb(1, 1, 1))}), "7 x 5");
   for (const EnvironmentLayout layout : all_layouts) {
     Picture picture = make_picture(layout, 4, sky);
-    const std::string file = std::string(name(layout)) + ".exr";
+    const std::string file = std::string(name_of(layout)) + ".exr";
     picture.texels[5].y = -1e-3F;
     expect(write(file, picture), "negative");
     picture.texels[5].y = std::numeric_limits<float>::quiet_NaN();
@@ -255,8 +254,8 @@ TEST_F(EnvironmentFiles, IrradianceEqualsTheSumOverAllTexels) {
       }
     }
     // The twin's midpoint rule: (1/96)^2 of a right angle; the hierarchy's cells of 1/128 on the horizon.
-    EXPECT_LT(worst, 1e-4) << name(layout);
-    EXPECT_LT(baked.error_bound.y / total, 1e-3) << name(layout);
+    EXPECT_LT(worst, 1e-4) << name_of(layout);
+    EXPECT_LT(baked.error_bound.y / total, 1e-3) << name_of(layout);
     EXPECT_GT(baked.error_bound.y, 0);
   }
 }

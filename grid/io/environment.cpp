@@ -1,4 +1,4 @@
-#include "tracer/env/image.h"
+#include "grid/io/environment.h"
 
 #include <cmath>
 #include <memory>
@@ -24,7 +24,7 @@ EnvironmentLayout find_layout(const std::string& path, const OIIO::ImageSpec& sp
                               std::optional<EnvironmentLayout> asked) {
   if (spec.width <= 0 || spec.height <= 0 || spec.width * std::int64_t(spec.height) < 2)
     throw Error(path, size_text(spec) + ", too small for any layout of the sphere", "give an environment map");
-  std::string who = "--layout";
+  std::string who = "the layout given";
   if (!asked) {
     const std::string_view attribute = spec.get_string_attribute("textureformat");
     who = "its envmap attribute";
@@ -34,9 +34,9 @@ EnvironmentLayout find_layout(const std::string& path, const OIIO::ImageSpec& sp
   if (asked) {
     if (!fits(*asked, spec.width, spec.height)) {
       throw Error(path,
-                  size_text(spec) + ", but " + who + " says " + std::string(name(*asked)) + ", which is " +
+                  size_text(spec) + ", but " + who + " is " + std::string(name_of(*asked)) + ", which is " +
                       std::string(required_shape(*asked)),
-                  "convert it, or give the layout it has with --layout");
+                  "convert it, or give the layout it has");
     }
     return *asked;
   }
@@ -99,6 +99,10 @@ EnvironmentImage load_environment_image(const std::string& path, std::optional<E
     default:
       return {layout, cube_from_picture(layout, radiance, spec.width, spec.height)};
   }
+}
+
+EnvironmentMap load_environment(const std::string& path, std::optional<EnvironmentLayout> layout) {
+  return to_latlong(load_environment_image(path, layout));
 }
 
 }  // namespace ivory

@@ -1,3 +1,5 @@
+#include "grid/env/environment_image.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -6,7 +8,6 @@
 #include <tbb/parallel_for.h>
 
 #include "grid/env/moments.h"
-#include "tracer/env/image.h"
 
 namespace ivory {
 
@@ -15,8 +16,8 @@ namespace {
 constexpr double pi_d = 3.14159265358979323846;
 constexpr float standing_out = 4;  // times the darkest neighbour
 
-// What both kinds of source are asked for: their texel of a direction, and points of a texel with the solid
-// angles that they stand for.
+// What both kinds of source are asked for: their texel of a direction, and points of a texel with the solid angles that
+// they stand for.
 struct CubeSource {
   int size;
   int rows;

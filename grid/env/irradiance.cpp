@@ -1,4 +1,4 @@
-#include "tracer/env/irradiance.h"
+#include "grid/env/irradiance.h"
 
 #include <algorithm>
 #include <array>
@@ -28,8 +28,8 @@ int row_count(const EnvironmentImage& image) {
 // How often a texel is divided along each edge, for at least `rows` rows.
 int division(int have, int rows) { return std::max(1, (rows + have - 1) / have); }
 
-// A power of two whose six squares hold about as many cells as there are texels, from 16 to 256: finer cells
-// would cost more memory than the little they sharpen the horizon.
+// A power of two whose six squares hold about as many cells as there are texels, from 16 to 256: finer cells would cost
+// more memory than the little they sharpen the horizon.
 int tree_size(double texels) {
   int size = 16;
   while (size < 256 && 6.0 * size * size < 0.75 * texels) size *= 2;

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "tracer/env/image.h"
+#include "grid/env/environment_image.h"
 
 namespace ivory {
 

@@ -1,16 +1,11 @@
-#include "tracer/env/latlong_map.h"
+#include "grid/env/latlong_map.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "grid/env/cube_from_latlong.h"
-#include "tracer/env/image.h"
 
 namespace ivory {
-
-EnvironmentMap load_environment(const std::string& path, std::optional<EnvironmentLayout> layout) {
-  return to_latlong(load_environment_image(path, layout));
-}
 
 Rgb eval(const EnvironmentMap& environment, const V3f& w) {
   // atan2 for the polar angle too: acos(y) has no digits left near the poles.

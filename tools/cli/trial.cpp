@@ -1,4 +1,4 @@
-#include "grid/io/trial.h"
+#include "tools/cli/trial.h"
 
 #include <array>
 #include <cerrno>

@@ -1,0 +1,36 @@
+#include "tools/cli/vdb_input.h"
+
+#include <filesystem>
+
+#include "grid/base/error.h"
+#include "grid/io/vdb/seal.h"
+#include "grid/io/vdb/vdb.h"
+#include "tools/cli/trial.h"
+
+namespace ivory {
+
+namespace {
+
+// read(path, copy), where a child process has made the copy of what bears no checksum.
+template <typename Read>
+auto read_safely(const std::string& path, const Read& read) {
+  if (is_sealed_vdb(path)) return read(path, std::string());
+  // Room for every byte of the file to unpack into 256.
+  const std::uint64_t memory_bytes = (std::filesystem::file_size(path) + (1U << 20U)) * 256;
+  const TrialOutcome trial = run_trial(memory_bytes, [&] { return resave_vdb(path); });
+  if (trial.kind == TrialOutcome::Kind::crashed)
+    throw Error(path, "is damaged", "save it again from the program that wrote it");
+  if (trial.kind == TrialOutcome::Kind::threw)
+    throw Error(path, "OpenVDB reports " + trial.text, "give a .vdb file that ivory baked");
+  return read(path, MemoryFile(trial.text).path());
+}
+
+}  // namespace
+
+IrradianceGrid load_grid_vdb(const std::string& path) { return read_safely(path, read_grid_vdb); }
+
+GridAccumulator load_accumulator_vdb(const std::string& path) { return read_safely(path, read_accumulator_vdb); }
+
+Metadata load_vdb_info(const std::string& path) { return read_safely(path, read_vdb_info); }
+
+}  // namespace ivory
