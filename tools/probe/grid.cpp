@@ -58,7 +58,7 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
   if (!options.scene.empty()) {
     scene = load_scene_input(options.scene, {}, common);
     const auto baked = find_text(grid.metadata, "scene_hash");
-    if (baked && *baked != scene->scene.content_hash)
+    if (baked && *baked != scene->lit.scene->content_hash)
       print_note(common, "warning: " + options.scene + " has changed since " + request.source + " was baked");
   }
   const Intersector* intersector = scene ? &scene->lit.intersector : nullptr;

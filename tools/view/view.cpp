@@ -6,6 +6,7 @@
 
 #include "grid/base/error.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/scene_input.h"
 #include "tools/view/headless.h"
 #include "tools/view/window/viewer.h"
 #include "tracer/image/file.h"
