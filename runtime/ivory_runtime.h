@@ -4,8 +4,7 @@
 // there it goes one of three ways:
 //
 //   the renderer    ambient(asset) makes an AmbientSource of it, which a DrawItem names; Renderer::draw() does the rest
-//   your renderer   put #include "ambient_<asset>.glsl" into your fragment shader, resolve it with with_includes(),
-//   call
+//   your renderer   put #include "ambient/ASSET.glsl" into your fragment shader, resolve it with with_includes(), call
 //                   ivory_ambient(p, ng, n) for E in lux, and bind(asset, program, unit) before drawing
 //   your engine     take the .glsl functions alone (shader_source(), or the installed folder of them) and fill textures
 //                   and structs as the files' opening comments say

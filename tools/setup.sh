@@ -31,12 +31,13 @@ apt_get() {
   DEBIAN_FRONTEND=noninteractive apt-get -q -y "$@" >"$root/build/packages.log" 2>&1 </dev/null
 }
 
-# build PRESET [TARGET...]: configures where needed, then builds.
+# build PRESET [TARGET...]: configures where needed, then builds, and says how long it took.
 build() {
-  local preset=$1
+  local preset=$1 start=$SECONDS
   shift
   echo "== building ($preset)"
   cmake -S "$root" --preset "$preset" >"$root/build/$preset.configure.log" 2>&1 ||
     { cat "$root/build/$preset.configure.log" >&2; return 1; }
-  cmake --build "$root/build/$preset" -j "$(nproc)" ${1:+--target "$@"}
+  cmake --build "$root/build/$preset" -j "$(nproc)" ${1:+--target "$@"} || return
+  printf '%-12s ok      %5d s\n' "build" $((SECONDS - start))
 }

@@ -12,12 +12,13 @@ namespace ivory {
 
 // A piece of fragment shader and what it reads.
 //
-// `shader` is GLSL that defines
-//   vec3 ivory_ambient(vec3 p, vec3 ng, vec3 n)    irradiance E in lux at world position p for unit shading normal n;
-//   ng
-//                                                  is the geometric normal, on the same side
-// and may hold #include and #define lines. Where it defines the macro IVORY_AMBIENT_RADIANCE it defines instead
-//   vec3 ivory_ambient_radiance(IvorySurface s)    radiance in nits that the surface reflects towards s.wo
+// `shader` is GLSL that may hold #include and #define lines, and defines
+//   vec3 ivory_ambient(vec3 p, vec3 ng, vec3 n)
+//       irradiance E in lux at world position p (m) for the unit shading normal n; ng is the unit geometric normal, on
+//       the same side
+// or, where it defines the macro IVORY_AMBIENT_RADIANCE,
+//   vec3 ivory_ambient_radiance(IvorySurface s)
+//       radiance in nits that the surface reflects towards s.wo
 // `bind` sets its uniforms and binds its textures from `first_unit` on; it returns the next free unit. What it refers
 // to must outlive the drawing.
 struct AmbientSource {
@@ -25,7 +26,9 @@ struct AmbientSource {
   std::function<int(gl::Program& program, int first_unit)> bind;
 };
 
+// Black.
 AmbientSource no_ambient();
+// The same E, in lux, everywhere and for all normals.
 AmbientSource constant_ambient(const Rgb& e_lux);
 
 }  // namespace ivory

@@ -10,10 +10,9 @@
 
 namespace ivory {
 
-namespace {
-
-GpuDifMap upload(const std::string& what, const CubeMap& e, const DifMapUploadParams& params) {
+GpuDifMap upload(const DifMap& map, const DifMapUploadParams& params, const std::string& what) {
   gl::require_context();
+  const CubeMap& e = map.e;
   GpuDifMap out;
   if (params.half_floats) {
     float largest = 0;
@@ -38,12 +37,8 @@ GpuDifMap upload(const std::string& what, const CubeMap& e, const DifMapUploadPa
   return out;
 }
 
-}  // namespace
-
-GpuDifMap upload(const DifMap& map, const DifMapUploadParams& params) { return upload("DifMap", map.e, params); }
-
 GpuDifMap load_difmap(const std::string& path, const DifMapUploadParams& params) {
-  return upload(path, read_difmap(path).e, params);
+  return upload(read_difmap(path), params, path);
 }
 
 int bind(const GpuDifMap& map, gl::Program& program, int first_unit) {

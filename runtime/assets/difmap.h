@@ -21,10 +21,11 @@ struct GpuDifMap {
   std::size_t bytes() const { return e.bytes(); }
 };
 
-// Faces are mirrored into OpenGL's orientation. Throws Error where the context's limits do not hold the map.
-GpuDifMap upload(const DifMap& map, const DifMapUploadParams& params = {});
+// Needs a current context. Faces are mirrored into OpenGL's orientation. Throws Error naming `what` where the map is
+// larger than the context takes.
+GpuDifMap upload(const DifMap& map, const DifMapUploadParams& params = {}, const std::string& what = "DifMap");
 
-// Throws Error as read_difmap() and upload() do.
+// read_difmap() and upload(): throws Error as they do, naming the file.
 GpuDifMap load_difmap(const std::string& path, const DifMapUploadParams& params = {});
 
 // Binds the map to `first_unit`, sets the uniforms of shaders/ambient/difmap.glsl and enables

@@ -143,64 +143,6 @@ gl::Buffer uniform_buffer(const void* data, std::size_t bytes, GLenum usage) {
   return buffer;
 }
 
-GpuFivTables upload(std::span<const FivTable> tables, std::span<const std::string> names,
-                    const FivUploadParams& params) {
-  gl::require_context();
-  if (tables.empty() || tables.size() > std::size_t(fiv_max_tables))
-    throw Error("FIV tables", fmt::format("there are {}, and a set takes 1 to {}", tables.size(), fiv_max_tables),
-                "upload them as several sets");
-  GLint limit = 0;
-  IVORY_GL(glGetIntegerv, GL_MAX_3D_TEXTURE_SIZE, &limit);
-  std::vector<V3i> boxes;
-  for (std::size_t i = 0; i < tables.size(); ++i) {
-    const V3i& size = tables[i].size;
-    const V3i box = box_of(tables[i]);
-    if (std::max({box.x, box.y, box.z}) > limit)
-      throw Error(names[i],
-                  fmt::format("its {}x{}x{} samples make a texture of {}x{}x{} texels, and this OpenGL takes {} a side "
-                              "(GL_MAX_3D_TEXTURE_SIZE)",
-                              size.x, size.y, size.z, box.x, box.y, box.z, limit),
-                  "bake it with fewer --samples");
-    boxes.push_back(box);
-  }
-  const std::optional<PackedBoxes> packed = pack_boxes(boxes, limit);
-  if (!packed)
-    throw Error(names.front(),
-                fmt::format("it and {} tables more do not fit into one texture of {} texels a side "
-                            "(GL_MAX_3D_TEXTURE_SIZE)",
-                            tables.size() - 1, limit),
-                "upload them as several sets, or bake them with fewer --samples");
-
-  const std::size_t texels = std::size_t(packed->size.x) * std::size_t(packed->size.y) * std::size_t(packed->size.z);
-  check_memory(names.front(), 2 * double(texels) * sizeof(V4f), "bake it with fewer --samples");
-  std::vector<V4f> atlas(texels, V4f(0, 0, 0, 0));
-  std::vector<TableBlock> blocks;
-  std::vector<SphereBins> bins;
-  std::size_t most = 1;
-  for (std::size_t i = 0; i < tables.size(); ++i) {
-    const float scale = params.half_floats ? half_scale(largest_level(tables[i])) : 1.0F;
-    bins.push_back(make_bins(names[i], tables[i].radii));
-    most = std::max(most, bins.back().knots.size());
-    fill(tables[i], packed->corners[i], packed->size, 1 / scale, atlas);
-    blocks.push_back(describe(tables[i], packed->corners[i], bins.back(), scale, int(i)));
-  }
-  blocks.resize(std::size_t(fiv_max_tables));
-  std::vector<V4f> knots(most * tables.size());
-  for (std::size_t i = 0; i < bins.size(); ++i)
-    std::copy(bins[i].knots.begin(), bins[i].knots.end(), knots.begin() + std::ptrdiff_t(i * most));
-
-  GpuFivTables out;
-  out.atlas = gl::make_texture_3d(names.front(), params.half_floats ? gl::Format::rgba16f : gl::Format::rgba32f,
-                                  packed->size, atlas.data(), gl::Filter::linear);
-  out.spheres = gl::make_texture_2d(names.front(), gl::Format::rgba32f, int(most), int(tables.size()), knots.data(),
-                                    gl::Filter::nearest);
-  out.tables = uniform_buffer(blocks.data(), blocks.size() * sizeof(TableBlock), GL_STATIC_DRAW);
-  out.occluders = uniform_buffer(nullptr, sizeof(OccluderBlock), GL_DYNAMIC_DRAW);
-  out.table_count = int(tables.size());
-  set_occluders(out, {});
-  return out;
-}
-
 void bind_block(gl::Program& program, const char* name, const gl::Buffer& buffer, int binding) {
   const GLuint index = glGetUniformBlockIndex(program.id(), name);
   if (index == GL_INVALID_INDEX) return;  // unused by the program
@@ -220,6 +162,15 @@ int bind_tables(const GpuFivTables& fiv, gl::Program& program, int unit, Straddl
   return unit;
 }
 
+template <typename Environment>
+AmbientSource make_source(const GpuFivTables& fiv, const Environment& unshadowed, const FivLightParams& params,
+                          int self) {
+  return {fiv_defines(params.overlap, self >= 0) + "#include \"ambient/fiv.glsl\"\n",
+          [&fiv, &unshadowed, straddling = params.straddling, self](gl::Program& program, int first_unit) {
+            return bind(fiv, unshadowed, program, first_unit, straddling, self);
+          }};
+}
+
 static_assert(int(FivOverlap::none) == 0 && int(FivOverlap::discs) == 1 && int(FivOverlap::covers) == 2 &&
               int(FivOverlap::product) == 3);
 
@@ -229,16 +180,70 @@ std::size_t GpuFivTables::bytes() const {
   return atlas.bytes() + spheres.bytes() + std::size_t(fiv_max_tables) * sizeof(TableBlock) + sizeof(OccluderBlock);
 }
 
-GpuFivTables upload(std::span<const FivTable> tables, const FivUploadParams& params) {
-  std::vector<std::string> names;
-  for (std::size_t i = 0; i < tables.size(); ++i) names.push_back(fmt::format("FIV table {}", i));
-  return upload(tables, names, params);
+GpuFivTables upload(std::span<const FivTable> tables, const FivUploadParams& params,
+                    std::span<const std::string> names) {
+  gl::require_context();
+  assert(names.empty() || names.size() == tables.size());
+  const auto name_of = [&](std::size_t i) { return names.empty() ? fmt::format("FIV table {}", i) : names[i]; };
+  if (tables.empty() || tables.size() > std::size_t(fiv_max_tables))
+    throw Error("FIV tables", fmt::format("there are {}, and a set takes 1 to {}", tables.size(), fiv_max_tables),
+                "upload them as several sets");
+  GLint limit = 0;
+  IVORY_GL(glGetIntegerv, GL_MAX_3D_TEXTURE_SIZE, &limit);
+  std::vector<V3i> boxes;
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const V3i& size = tables[i].size;
+    const V3i box = box_of(tables[i]);
+    if (std::max({box.x, box.y, box.z}) > limit)
+      throw Error(name_of(i),
+                  fmt::format("its {}x{}x{} samples make a texture of {}x{}x{} texels, and this OpenGL takes {} a side "
+                              "(GL_MAX_3D_TEXTURE_SIZE)",
+                              size.x, size.y, size.z, box.x, box.y, box.z, limit),
+                  "bake it with fewer --samples");
+    boxes.push_back(box);
+  }
+  const std::optional<PackedBoxes> packed = pack_boxes(boxes, limit);
+  if (!packed)
+    throw Error(name_of(0),
+                fmt::format("it and {} tables more do not fit into one texture of {} texels a side "
+                            "(GL_MAX_3D_TEXTURE_SIZE)",
+                            tables.size() - 1, limit),
+                "upload them as several sets, or bake them with fewer --samples");
+
+  const std::size_t texels = std::size_t(packed->size.x) * std::size_t(packed->size.y) * std::size_t(packed->size.z);
+  check_memory(name_of(0), 2 * double(texels) * sizeof(V4f), "bake it with fewer --samples");
+  std::vector<V4f> atlas(texels, V4f(0, 0, 0, 0));
+  std::vector<TableBlock> blocks;
+  std::vector<SphereBins> bins;
+  std::size_t most = 1;
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    const float scale = params.half_floats ? half_scale(largest_level(tables[i])) : 1.0F;
+    bins.push_back(make_bins(name_of(i), tables[i].radii));
+    most = std::max(most, bins.back().knots.size());
+    fill(tables[i], packed->corners[i], packed->size, 1 / scale, atlas);
+    blocks.push_back(describe(tables[i], packed->corners[i], bins.back(), scale, int(i)));
+  }
+  blocks.resize(std::size_t(fiv_max_tables));
+  std::vector<V4f> knots(most * tables.size());
+  for (std::size_t i = 0; i < bins.size(); ++i)
+    std::copy(bins[i].knots.begin(), bins[i].knots.end(), knots.begin() + std::ptrdiff_t(i * most));
+
+  GpuFivTables out;
+  out.atlas = gl::make_texture_3d(name_of(0), params.half_floats ? gl::Format::rgba16f : gl::Format::rgba32f,
+                                  packed->size, atlas.data(), gl::Filter::linear);
+  out.spheres = gl::make_texture_2d(name_of(0), gl::Format::rgba32f, int(most), int(tables.size()), knots.data(),
+                                    gl::Filter::nearest);
+  out.tables = uniform_buffer(blocks.data(), blocks.size() * sizeof(TableBlock), GL_STATIC_DRAW);
+  out.occluders = uniform_buffer(nullptr, sizeof(OccluderBlock), GL_DYNAMIC_DRAW);
+  out.table_count = int(tables.size());
+  set_occluders(out, {});
+  return out;
 }
 
 GpuFivTables load_fiv_tables(std::span<const std::string> paths, const FivUploadParams& params) {
   std::vector<FivTable> tables;
   for (const std::string& path : paths) tables.push_back(read_fiv(path));
-  return upload(tables, paths, params);
+  return upload(tables, params, paths);
 }
 
 void set_occluders(GpuFivTables& fiv, std::span<const GpuFivOccluder> occluders) {
@@ -278,17 +283,11 @@ int bind(const GpuFivTables& fiv, const GpuSh9& unshadowed, gl::Program& program
 }
 
 AmbientSource ambient(const GpuFivTables& fiv, const GpuDifMap& unshadowed, const FivLightParams& params, int self) {
-  return {fiv_defines(params.overlap, self >= 0) + "#include \"ambient/fiv.glsl\"\n",
-          [&fiv, &unshadowed, straddling = params.straddling, self](gl::Program& program, int first_unit) {
-            return bind(fiv, unshadowed, program, first_unit, straddling, self);
-          }};
+  return make_source(fiv, unshadowed, params, self);
 }
 
 AmbientSource ambient(const GpuFivTables& fiv, const GpuSh9& unshadowed, const FivLightParams& params, int self) {
-  return {fiv_defines(params.overlap, self >= 0) + "#include \"ambient/fiv.glsl\"\n",
-          [&fiv, &unshadowed, straddling = params.straddling, self](gl::Program& program, int first_unit) {
-            return bind(fiv, unshadowed, program, first_unit, straddling, self);
-          }};
+  return make_source(fiv, unshadowed, params, self);
 }
 
 }  // namespace ivory

@@ -41,15 +41,17 @@ struct GpuFivTables {
   std::size_t bytes() const;  // of textures and buffers
 };
 
-// One to fiv_max_tables tables, of any sizes, with one or six hemispheres; no occluders yet. Throws Error where the
-// context's limits do not hold them, and where two spheres of a table are less than a thousandth of its range (in log
-// r) apart.
-GpuFivTables upload(std::span<const FivTable> tables, const FivUploadParams& params = {});
+// Needs a current context. One to fiv_max_tables tables, of any sizes, with one or six hemispheres; no occluders yet.
+// Throws Error where the context's limits do not hold them, and where two spheres of a table are less than a thousandth
+// of its range (in log r) apart; `names`, one a table or none, name tables there.
+GpuFivTables upload(std::span<const FivTable> tables, const FivUploadParams& params = {},
+                    std::span<const std::string> names = {});
 
-// Throws Error as read_fiv() and upload() do.
+// read_fiv() and upload(): throws Error as they do, naming the file.
 GpuFivTables load_fiv_tables(std::span<const std::string> paths, const FivUploadParams& params = {});
 
-// Replaces all occluders; cheap enough for every frame. Throws Error for more than fiv_max_occluders.
+// Replaces all occluders, in the order that `self` counts them; cheap enough for every frame. Throws Error for more
+// than fiv_max_occluders.
 void set_occluders(GpuFivTables& fiv, std::span<const GpuFivOccluder> occluders);
 
 // #define lines to put before shaders/ambient/fiv.glsl; `self`: for objects that are occluders themselves.

@@ -24,7 +24,25 @@ std::int64_t longest_side(const V3i& vertices, const V3i& tiles) {
       {std::int64_t(vertices.x) * tiles.x, std::int64_t(vertices.y) * tiles.y, std::int64_t(vertices.z) * tiles.z});
 }
 
-GpuGrid upload_named(const std::string& what, const IrradianceGrid& grid, const GridUploadParams& params) {
+struct Choices {
+  int basis;
+  int form;
+  int guard;
+  int interpolation;
+  int reconstruction;
+};
+
+Choices choose(const GpuGrid& grid, const GridReadParams& params) {
+  if (params.guard == Guard::rays) throw UsageError("the GPU has no rays to guard a grid with; planes or off");
+  if (params.lookup.reconstruction == Reconstruction::paper && grid.basis != Basis::vectors)
+    throw UsageError("the paper's reconstruction reads the basis vectors only");
+  return {int(grid.basis), int(grid.form), params.guard == Guard::planes && grid.guarded ? 1 : 0,
+          int(params.lookup.interpolation), int(params.lookup.reconstruction)};
+}
+
+}  // namespace
+
+GpuGrid upload(const IrradianceGrid& grid, const GridUploadParams& params, const std::string& what) {
   if (params.form == GridForm::norms_and_directions && grid.basis != Basis::vectors)
     throw UsageError(fmt::format("norms and directions hold the basis vectors only, not {}", name_of(grid.basis)));
   gl::require_context();
@@ -97,24 +115,6 @@ GpuGrid upload_named(const std::string& what, const IrradianceGrid& grid, const 
   return out;
 }
 
-struct Choices {
-  int basis;
-  int form;
-  int guard;
-  int interpolation;
-  int reconstruction;
-};
-
-Choices choose(const GpuGrid& grid, const GridReadParams& params) {
-  if (params.guard == Guard::rays) throw UsageError("the GPU has no rays to guard a grid with; planes or off");
-  if (params.lookup.reconstruction == Reconstruction::paper && grid.basis != Basis::vectors)
-    throw UsageError("the paper's reconstruction reads the basis vectors only");
-  return {int(grid.basis), int(grid.form), params.guard == Guard::planes && grid.guarded ? 1 : 0,
-          int(params.lookup.interpolation), int(params.lookup.reconstruction)};
-}
-
-}  // namespace
-
 // Along z where that fits, as then each volume is contiguous; else the arrangement with the shortest longest side.
 V3i arrange_volumes(const V3i& vertices, int count, int limit) {
   V3i best(1, 1, count);
@@ -132,13 +132,9 @@ V3i volume_place(const V3i& vertices, const V3i& tiles, int f) {
   return V3i(f % tiles.x, f / tiles.x % tiles.y, f / (tiles.x * tiles.y)) * vertices;
 }
 
-GpuGrid upload(const IrradianceGrid& grid, const GridUploadParams& params) {
-  return upload_named("irradiance grid", grid, params);
-}
-
 GpuGrid load_grid(const std::string& path, const GridUploadParams& params) {
   gl::require_context();
-  return upload_named(path, read_grid_vdb(path), params);
+  return upload(read_grid_vdb(path), params, path);
 }
 
 int bind(const GpuGrid& grid, gl::Program& program, int first_unit, const GridReadParams& params) {

@@ -53,11 +53,12 @@ V3i arrange_volumes(const V3i& vertices, int count, int limit);
 // First texel of volume f.
 V3i volume_place(const V3i& vertices, const V3i& tiles, int f);
 
-// Needs a current context. Throws Error where the grid is larger than the context takes, and UsageError for
-// norms_and_directions of a basis other than vectors.
-GpuGrid upload(const IrradianceGrid& grid, const GridUploadParams& params = {});
+// Needs a current context. Throws Error naming `what` where the grid is larger than the context takes, and UsageError
+// for norms_and_directions of a basis other than vectors.
+GpuGrid upload(const IrradianceGrid& grid, const GridUploadParams& params = {},
+               const std::string& what = "irradiance grid");
 
-// read_grid_vdb() and upload(); throws as they do, with the file's name, and leaves no OpenGL object behind.
+// read_grid_vdb() and upload(): throws as they do, naming the file.
 GpuGrid load_grid(const std::string& path, const GridUploadParams& params = {});
 
 // How shaders read it. Guard::planes reads a grid without guard as Guard::off does; there are no rays on the GPU.

@@ -35,17 +35,17 @@ GpuLobes upload(const LobeTable& table, const std::string& what) {
 
 GpuLobes load_lobes(const std::string& path) { return upload(read_lobes(path).table, path); }
 
-void place(GpuLobes& lobes, std::span<const BallLight> lights, std::span<const Sphere> occluders) {
+void place(GpuLobes& lobes, std::span<const RuntimeSphereLight> lights, std::span<const Sphere> occluders) {
   std::vector<Sphere> spheres(occluders.begin(), occluders.end());
-  for (const BallLight& light : lights) spheres.push_back(light.ball);
+  for (const RuntimeSphereLight& light : lights) spheres.push_back(light.sphere);
   const SphereGroups groups = make_sphere_groups(std::move(spheres));
   std::vector<V4f> texels;
   texels.reserve(1 + 2 * lights.size() + groups.groups.size() + groups.spheres.size());
   const auto add = [&texels](const Sphere& sphere) {
     texels.emplace_back(sphere.center.x, sphere.center.y, sphere.center.z, sphere.radius_m);
   };
-  for (const BallLight& light : lights) {
-    add(light.ball);
+  for (const RuntimeSphereLight& light : lights) {
+    add(light.sphere);
     texels.emplace_back(light.radiance_nits.x, light.radiance_nits.y, light.radiance_nits.z, 0.0F);
   }
   for (const SphereGroups::Group& group : groups.groups) add(group.bounds);

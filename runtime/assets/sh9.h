@@ -11,13 +11,14 @@
 namespace ivory {
 
 struct GpuSh9 {
-  Sh9MatricesF matrices{};  // uniforms; there are no OpenGL objects
+  Sh9MatricesF matrices{};  // E in lux is (n 1) M (n 1)^T; uniforms: there are no OpenGL objects
   std::size_t bytes() const { return sizeof(matrices); }
 };
 
+// Needs no context and never throws.
 GpuSh9 upload(const Sh9& sh);
 
-// Throws Error as read_sh9() does.
+// Throws Error as read_sh9() does. Needs no context.
 GpuSh9 load_sh9(const std::string& path);
 
 // Sets `ivory_sh9` of shaders/ambient/sh9.glsl; makes the program current. Returns first_unit: no texture is taken.

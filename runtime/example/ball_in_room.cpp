@@ -39,7 +39,7 @@ ivory::GpuMesh make_ball(float radius_m) {
   data.positions = positions;
   data.normals = normals;
   data.triangles = triangles;
-  return ivory::upload("ball", data);
+  return ivory::upload(data);
 }
 
 void run(GLFWwindow* window, const char* path, long frames) {
@@ -56,7 +56,7 @@ void run(GLFWwindow* window, const char* path, long frames) {
   white.dielectric_f90 = 0;
   ivory::DrawItem item{&ball, &white, {}, &light};
   ivory::Renderer renderer;
-  ivory::Frame frame;
+  ivory::FrameParams frame;
   frame.items = {&item, 1};
   ivory::M44f eye;
   eye.setTranslation(middle + ivory::V3f(0, 0, 4 * reach_m));

@@ -10,7 +10,7 @@
 namespace ivory {
 
 struct PackedBoxes {
-  V3i size{0, 0, 0};         // of the whole
+  V3i size{0, 0, 0};         // of the whole, texels
   std::vector<V3i> corners;  // where each box begins, in the order given
 };
 

@@ -1,9 +1,9 @@
 // OpenGL objects with owners, and OpenGL errors as exceptions.
 //
-// Everything of the runtime needs a current OpenGL context, 3.3 core or later, of the caller's making: it opens
-// none. Objects must die while the context that made them, or one that shares with it, is current.
-// Functions leave bound what they bound last: units' textures without sampler objects, the program,
-// GL_PIXEL_UNPACK_BUFFER 0 and rows unpacked without gaps (alignment 1, nothing skipped).
+// Everything of the runtime needs a current OpenGL context, 3.3 core or later, which the caller makes. Objects must be
+// destroyed while the context that made them, or one that shares with it, is current. Functions leave bound what they
+// bound last: textures of units without sampler objects, the program, GL_PIXEL_UNPACK_BUFFER 0 and rows unpacked
+// without gaps (alignment 1, nothing skipped).
 #pragma once
 
 #include <array>
@@ -52,33 +52,34 @@ using Query = Object<Kind::query>;
 template <Kind kind>
 Object<kind> make();
 
-// Throws Error where there is no current context, or one older than 3.3; then forgets errors that other code left, so
-// that none is laid at ivory's door. upload(), load_*(), make_program() and drawing call it first; the parts they are
-// made of (make(), make_texture_*()) do not.
+// Throws Error where there is no current context, or one older than 3.3. Then clears the errors that other code left,
+// so that ivory does not report them as its own. upload(), load_*(), make_program() and drawing call it first; the
+// parts that they are made of (make(), make_texture_*()) do not.
 void require_context();
 
 // Throws Error naming `call` where OpenGL has recorded an error since the last check.
 void check(const char* call);
 
+// Of texels, by OpenGL's names.
 enum class Format { r16f, r32f, rgb16f, rgb32f, rgba8, srgb8_alpha8, rgba16f, rgba32f, rgba32ui, depth24 };
-std::size_t texel_bytes(Format format);
+std::size_t texel_bytes(Format format);  // of a stored texel
 
 enum class Filter { nearest, linear, linear_mipmap };
 enum class Wrap { clamp, repeat, mirror };
 
-// A texture and what it takes. 1 for sizes that its kind does not have.
 struct Texture {
   Object<Kind::texture> object;
   std::uint32_t target = 0;  // GL_TEXTURE_2D, ...
   Format format = Format::rgba8;
-  V3i size{0, 0, 0};
+  V3i size{0, 0, 0};  // texels; z is the layers of an array; 1 along axes that the target does not have
 
   std::size_t bytes() const;  // as asked for: base level of all faces; a driver may pad
 };
 
-// Textures with one level, filled from `texels` (rows in order, x fastest; null leaves them undefined): bytes for *8
-// formats, floats for all of *f and depth24, rounded to nearest half where stored so, uint32 for *ui. `what`
-// names the asset in the Error thrown where the context's limits or its memory do not hold it.
+// Textures filled from `texels`, rows in order, x fastest; null leaves them undefined. They are bytes for *8 formats,
+// uint32 for *ui, floats for all others (rounded to the nearest half where stored so), as many a texel as the format
+// has channels. One level, but for Filter::linear_mipmap, which makes all. `what` names the asset in the Error thrown
+// where the context's limits or its memory do not hold it.
 Texture make_texture_2d(const std::string& what, Format format, int width, int height, const void* texels,
                         Filter filter, Wrap wrap_s = Wrap::clamp, Wrap wrap_t = Wrap::clamp);
 Texture make_texture_3d(const std::string& what, Format format, const V3i& size, const void* texels, Filter filter);
@@ -87,7 +88,7 @@ Texture make_texture_array(const std::string& what, Format format, int width, in
 // Six square faces in OpenGL's order and orientation, one after another.
 Texture make_texture_cube(const std::string& what, Format format, int size, const void* texels, Filter filter);
 
-// Binds to GL_TEXTURE0 + unit, without a sampler object.
+// Binds to GL_TEXTURE0 + unit, without a sampler object. Throws Error as IVORY_GL does.
 void bind(const Texture& texture, int unit);
 
 // A linked program. Uniforms that the compiler found unused are skipped silently, as they have no location.
@@ -97,7 +98,7 @@ class Program {
   std::uint32_t id() const { return object_.id(); }
   explicit operator bool() const { return bool(object_); }
 
-  void use() const;
+  void use() const;  // makes it current
   // Each makes the program current. Names as GLSL has them: "ivory_grid.size", "lights[3].position".
   void set(const std::string& name, int value);
   void set(const std::string& name, float value);
@@ -121,8 +122,9 @@ class Program {
   std::map<std::string, int> locations_;
 };
 
-// Compiles and links; the sources have neither #version nor resolved includes: both are seen to (with_includes()).
-// Throws Error with the compiler's first message; `what` names the program in it.
+// Compiles and links GLSL 3.30: adds the #version line to both sources and resolves their #include lines
+// (with_includes()). Needs a current context. Throws Error with the compiler's first message; `what` names the program
+// in it.
 Program make_program(const std::string& what, std::string_view vertex, std::string_view fragment);
 
 }  // namespace ivory::gl

@@ -15,11 +15,11 @@ struct TexelBuffer {
   std::size_t bytes() const { return texture.bytes(); }
 };
 
-// `what` names the asset in the Error thrown where the context's limits (65536 texels are always there) or its memory
-// do not hold it. At least one texel. `changes`: is it written anew every few frames?
+// Needs a current context and at least one texel. Throws Error naming `what` where the context's limits (65536 texels
+// always fit) or its memory do not hold it. `changes`: is it written anew every few frames?
 TexelBuffer make_texel_buffer(const std::string& what, std::span<const V4f> texels, bool changes = false);
 
-// Replaces all of it, by as many texels or another number.
+// Replaces all of it, by as many texels or another number, at least one. Throws as make_texel_buffer() does.
 void write(TexelBuffer& texel_buffer, const std::string& what, std::span<const V4f> texels);
 
 }  // namespace ivory::gl

@@ -8,13 +8,15 @@
 
 namespace ivory {
 
-// A texture, where the material has one: u' = m[0] u + m[1] v + m[2], v' = m[3] u + m[4] v + m[5] of that uv set.
+// A texture and where it lies: u' = m[0] u + m[1] v + m[2], v' = m[3] u + m[4] v + m[5] of that uv set, with m its
+// uv_transform.
 struct MaterialTexture {
-  const gl::Texture* texture = nullptr;
-  int uv_set = 0;  // 0 or 1
+  const gl::Texture* texture = nullptr;  // null: none; must outlive the drawing
+  int uv_set = 0;                        // 0 or 1
   std::array<float, 6> uv_transform{1, 0, 0, 0, 1, 0};
 };
 
+// What alpha does: nothing; cuts off below alpha_cutoff; mixes with what lies behind.
 enum class Coverage { opaque, mask, blend };
 
 struct SurfaceMaterial {

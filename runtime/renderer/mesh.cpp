@@ -23,7 +23,7 @@ struct Vertex {
 };
 static_assert(sizeof(Vertex) == 18 * sizeof(float));
 
-void check(const std::string& what, const MeshData& data) {
+void check(const MeshData& data, const std::string& what) {
   if (data.triangles.empty() || data.positions.empty()) throw Error(what, "the mesh has no triangles", "leave it out");
   if (data.triangles.size() > std::size_t(std::numeric_limits<int>::max()) / 3)
     throw Error(what, "the mesh has too many triangles for one draw call", "split it");
@@ -57,9 +57,9 @@ void attribute(GLuint index, int components, std::size_t offset) {
 
 }  // namespace
 
-GpuMesh upload(const std::string& what, const MeshData& data) {
+GpuMesh upload(const MeshData& data, const std::string& what) {
   gl::require_context();
-  check(what, data);
+  check(data, what);
   const std::vector<Vertex> vertices = interleave(data);
   GpuMesh mesh;
   mesh.vertex_array = gl::make<gl::Kind::vertex_array>();

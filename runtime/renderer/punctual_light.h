@@ -13,22 +13,24 @@ namespace ivory {
 
 enum class LightKind { point, spot, directional };
 
+// In the world, as KHR_lights_punctual has them.
 struct RuntimeLight {
   LightKind kind = LightKind::point;
-  V3f position_m{0, 0, 0};
-  V3f direction{0, 0, -1};    // unit, the way the light travels
-  Rgb intensity{1, 1, 1};     // cd; directional: lux
-  float inner_angle_rad = 0;  // spot
+  V3f position_m{0, 0, 0};    // point and spot
+  V3f direction{0, 0, -1};    // spot and directional: unit, the way the light travels
+  Rgb intensity{1, 1, 1};     // cd; directional: illuminance in lux
+  float inner_angle_rad = 0;  // spot: from the axis, 0 <= inner < outer <= pi / 2
   float outer_angle_rad = pi / 4;
   bool casts_shadow = true;
 };
+// In one frame. A point light takes six layers of shadow maps, others one.
 inline constexpr std::size_t max_lights = 32;
-inline constexpr std::size_t max_shadow_layers = 64;  // a point light takes six, others one
+inline constexpr std::size_t max_shadow_layers = 64;
 
 struct ShadowCaster {
   const GpuMesh* mesh = nullptr;
-  M44f to_world;
-  // Of a masked or blended surface, which casts a shadow where it covers at least half; null or opaque: everywhere.
+  M44f to_world;  // p_world = p * to_world
+  // A masked or blended surface casts a shadow where it covers at least half; null or opaque: everywhere.
   const SurfaceMaterial* material = nullptr;
 };
 
@@ -39,21 +41,22 @@ struct ShadowParams {
 // Depth as the lights see it, in the layers of one texture, and the lights in a uniform buffer.
 class LightSet {
  public:
-  // Draws the shadow maps: to be called again when a light or a caster has moved. Throws Error for more lights than
-  // max_lights; lights for which there are no layers left cast no shadow (see unshadowed()).
+  // Draws the shadow maps: call it again when a light or a caster has moved. Needs a current context. Throws Error for
+  // more than max_lights lights, and as IVORY_GL does. Lights for which no layers are left cast no shadow
+  // (unshadowed()).
   void update(std::span<const RuntimeLight> lights, std::span<const ShadowCaster> casters,
               const ShadowParams& params = {});
 
-  // Binds for shaders/renderer/punctual_lights.glsl; returns the next free texture unit. Only after update().
+  // Sets what shaders/renderer/punctual_lights.glsl declares, makes the program current, binds one texture to
+  // `first_unit` and the uniform buffer to point 0. Returns the next free unit. Only after update().
   int bind(gl::Program& program, int first_unit);
 
   bool updated() const { return bool(uniforms_); }
-  std::size_t bytes() const;
+  std::size_t bytes() const;                      // of textures and buffers
   int unshadowed() const { return unshadowed_; }  // lights that should cast shadows and do not
 
  private:
   void make_objects(int size, int layers);
-
   void draw_depth(const ShadowCaster& caster, const M44f& clip_from_world);
 
   gl::Program depth_program_;

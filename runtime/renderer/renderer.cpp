@@ -125,7 +125,7 @@ gl::Program& Renderer::depth_program() {
   return found;
 }
 
-gl::Program& Renderer::program(const Frame& frame, const AmbientSource& ambient) {
+gl::Program& Renderer::program(const FrameParams& frame, const AmbientSource& ambient) {
   // The surface comes first: both parts may name it.
   const std::string source = "#include \"renderer/punctual_lights.glsl\"\n" + ambient.shader + frame.output_shader +
                              "\n#include \"renderer/surface_fragment.glsl\"\n";
@@ -134,7 +134,7 @@ gl::Program& Renderer::program(const Frame& frame, const AmbientSource& ambient)
   return found;
 }
 
-void Renderer::draw_sky(const Frame& frame) {
+void Renderer::draw_sky(const FrameParams& frame) {
   gl::Program& found = programs_["sky"];
   if (!found) found = gl::make_program("sky", sky_vertex, sky_fragment);
   if (!empty_) empty_ = gl::make<gl::Kind::vertex_array>();
@@ -148,14 +148,14 @@ void Renderer::draw_sky(const Frame& frame) {
   IVORY_GL(glDrawArrays, GL_TRIANGLES, 0, 3);
 }
 
-void Renderer::prepare(const Frame& frame) {
+void Renderer::prepare(const FrameParams& frame) {
   const AmbientSource none = no_ambient();
   gl::require_context();
   for (const DrawItem& item : frame.items) program(frame, item.ambient != nullptr ? *item.ambient : none);
   depth_program();
 }
 
-void Renderer::draw(const Frame& frame) {
+void Renderer::draw(const FrameParams& frame) {
   prepare(frame);  // so that a source that does not compile changes nothing
   const AmbientSource none = no_ambient();
   LightSet& lights = frame.lights != nullptr ? *frame.lights : no_lights_;

@@ -1,9 +1,9 @@
-// An object's light from spherical lights by cosine lobes, with soft shadows from sphere sets; filled by ivory::bind(GpuLobes).
-// This is direct light: it stands where other methods have indirect or environment light.
+// An object's light from spherical lights by cosine lobes, with soft shadows from sphere sets; filled by
+// ivory::bind(GpuLobes). This is direct light: it stands where other methods have indirect or environment light.
 //
 //   ivory_ambient(p, ng, n)      E in lux, for a Lambert surface.
-//   ivory_lobe_radiance(...)     radiance in nits of a Lambert and a Phong lobe, where IVORY_LOBES_GLOSSY is defined; for
-//                                ivory::Renderer then ivory_ambient_radiance(s) too, instead of ivory_ambient().
+//   ivory_lobe_radiance(...)     radiance in nits of a Lambert and a Phong lobe, where IVORY_LOBES_GLOSSY is defined;
+//                                for ivory::Renderer then ivory_ambient_radiance(s) too, instead of ivory_ambient().
 // For other reflectances fill an IvoryReflectanceLobes (lobes/light.glsl) and call
 //   ivory_lobe_light(ivory_lobes, ivory_lobe_scene, ivory_lobe_blocks, ivory_lobe_integrals, p, ns, lobes).
 #ifdef IVORY_LOBES_GLOSSY

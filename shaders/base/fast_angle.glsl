@@ -1,4 +1,5 @@
 // The angle of a vector in the plane. Twin: grid/base/fast_angle.h, which says how the polynomial came about.
+#include "base/pi.glsl"
 
 // atan2(y, x) to 6e-7 rad. (0, 0) gives 0.
 float ivory_fast_angle(float y, float x) {
@@ -15,7 +16,7 @@ float ivory_fast_angle(float y, float x) {
   angle = angle * t2 + 0.199669614;
   angle = angle * t2 - 0.333318114;
   angle = (angle * t2 + 0.999999881) * t;
-  angle = ay > ax ? 1.57079632679 - angle : angle;
-  angle = x < 0.0 ? 3.14159265359 - angle : angle;
+  angle = ay > ax ? 0.5 * ivory_pi - angle : angle;
+  angle = x < 0.0 ? ivory_pi - angle : angle;
   return y < 0.0 ? -angle : angle;
 }

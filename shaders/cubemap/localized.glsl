@@ -1,16 +1,19 @@
-// Irradiance from a localized cube map: large texels of radiance, each with the inverse distances of its four corners, as the
-// polygons that they are. Twin of grid/cubemap/localized.cpp and grid/cubemap/edges.cpp, where the formulas are derived.
+// Irradiance from a localized cube map: large texels of radiance, each with the inverse distances of its four corners,
+// as the polygons that they are. Twin of grid/cubemap/localized.cpp and grid/cubemap/edges.cpp, where the formulas are
+// derived.
 //
 // Inputs: IvoryLocalizedCube and its samplerBuffer of RGBA32F, both from ivory::bind(GpuLocalizedCube): with M = size
 //   [0, 6 M^2)            inverse depth of a texel's corners, 1/m: (0,0), (1,0), (0,1), (1,1), right, then down
 //   [6 M^2, 12 M^2)       its radiance, nits
-//   [12 M^2, + 2 steps)   the walk over the edges: q and inverse depth of a vertex; jump of radiance from the vertex before
+//   [12 M^2, + 2 steps)   the walk over the edges: q and inverse depth of a vertex; jump of radiance from the
+//                         vertex before
 //
-// Each function takes a world position (m) and a unit normal and returns E in lux: never negative and finite. p outside of
-// the shell reads a point a thousandth inside.
+// Each function takes a world position (m) and a unit normal and returns E in lux: never negative and finite. p outside
+// of the shell reads a point a thousandth inside.
 //
-// What a receiver costs, M = 4 (96 texels, 197 steps): polygon 2 fetches and some 140 operations a step; polygon_paper 2
-// fetches and 190 a texel; point 2 and 110.
+// What a receiver costs, M = 4 (96 texels, 197 steps): polygon 2 fetches and some 140 operations a step; polygon_paper
+// 2 fetches and 190 a texel; point 2 and 110.
+#include "base/pi.glsl"
 #include "env/cube_map.glsl"
 
 struct IvoryLocalizedCube {
@@ -73,19 +76,18 @@ float ivory_angle_over_sine(float c) {
   return g * c + 1.57079554;
 }
 
-// Angle between unit a and b times the z of the normal of the plane through both: an edge's term of Lambert's sum about z.
+// Angle between unit a and b times the z of the normal of the plane through both: an edge's term of Lambert's sum about
+// z.
 float ivory_edge_term(vec3 a, vec3 b) {
-  const float pi = 3.14159265358979;
   vec3 n = cross(a, b);
   float cosine = dot(a, b);
   float g = ivory_angle_over_sine(abs(cosine));
-  return (cosine >= 0.0 ? g : pi * inversesqrt(max(dot(n, n), 1e-30)) - g) * n.z;
+  return (cosine >= 0.0 ? g : ivory_pi * inversesqrt(max(dot(n, n), 1e-30)) - g) * n.z;
 }
 
-// What an edge from unit a to unit b, z the normal, contributes to 2 E per jump; a.w and b.w are how far they lie over the
-// anchor's direction, as sines.
+// What an edge from unit a to unit b, z the normal, contributes to 2 E per jump; a.w and b.w are how far they lie over
+// the anchor's direction, as sines.
 float ivory_edge_weight(vec4 a, vec4 b, bool d_above) {
-  const float pi = 3.14159265358979;
   bool a_above = a.z >= 0.0;
   bool b_above = b.z >= 0.0;
   float rising = a_above ? -1.0 : 1.0;
@@ -100,16 +102,15 @@ float ivory_edge_weight(vec4 a, vec4 b, bool d_above) {
   float agreed = over_horizon ? rising * from : -rising * from;
   float det_sign = over_horizon && over_meridian ? (det >= 0.0 ? 1.0 : -1.0) : agreed;
   float angle = ivory_angle_over_sine(abs(crossing.x)) * abs(crossing.y);  // as if crossing.x >= 0
-  float horizon = over_horizon ? det_sign * (crossing.x >= 0.0 ? angle : pi - angle) : 0.0;
+  float horizon = over_horizon ? det_sign * (crossing.x >= 0.0 ? angle : ivory_pi - angle) : 0.0;
   float side = d_above ? -from : from;
   float beyond = side * (a.y * b.w - b.y * a.w);
   bool crosses_arc = over_meridian && side * det_sign < 0.0 && beyond > 0.0;
-  return term + horizon + (crosses_arc ? 2.0 * pi * side : 0.0);
+  return term + horizon + (crosses_arc ? 2.0 * ivory_pi * side : 0.0);
 }
 
 // CubeMethod::polygon for an offset within the shell, all edges once; offset 0 is CubeMethod::convolved.
 vec3 ivory_cube_polygon_inside(IvoryLocalizedCube cube, samplerBuffer texels, vec3 offset, vec3 n) {
-  const float pi = 3.14159265358979;
   const float inner_part = 1.0 / 128.0;
   int size = cube.size;
   // The texel that the ray from the origin meets behind p, and a direction from p into its inner part.
@@ -153,8 +154,8 @@ vec3 ivory_cube_polygon_inside(IvoryLocalizedCube cube, samplerBuffer texels, ve
     a = b;
     at += 2;
   }
-  vec3 e = texelFetch(texels, 6 * size * size + texel).rgb * pi + sum * 0.5;
-  return clamp(e, vec3(0.0), pi * cube.brightest);
+  vec3 e = texelFetch(texels, 6 * size * size + texel).rgb * ivory_pi + sum * 0.5;
+  return clamp(e, vec3(0.0), ivory_pi * cube.brightest);
 }
 
 vec3 ivory_cube_polygon(IvoryLocalizedCube cube, samplerBuffer texels, vec3 p, vec3 n) {

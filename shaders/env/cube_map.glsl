@@ -1,5 +1,5 @@
-// Faces of cube maps as grid/env/cube_map.h has them: +X, -X, +Y, -Y, +Z, -Z, seen from inside. Twin of grid/env/cube_map.cpp; not
-// OpenGL's own orientation.
+// Faces of cube maps as grid/env/cube_map.h has them: +X, -X, +Y, -Y, +Z, -Z, seen from inside. Twin of
+// grid/env/cube_map.cpp; not OpenGL's own orientation.
 
 void ivory_cube_face_axes(int face, out vec3 forward, out vec3 right, out vec3 down) {
   float side = (face & 1) == 0 ? 1.0 : -1.0;

@@ -1,9 +1,10 @@
-// Radiance of a lat-long environment map as OpenEXR lays it out: row 0 looks towards +Y, u = 1/2 + atan(-x, z) / (2 pi);
-// twin of grid/env/latlong_map.cpp. `w` is a unit direction; the map repeats across, ends at the poles and has one level; with
-// the nearest filter it is what the tracer reads.
+// Radiance (nits) of a lat-long environment map towards the unit direction w. OpenEXR's layout: row 0 looks towards +Y,
+// u = 1/2 + atan(-x, z) / (2 pi). Twin of grid/env/latlong_map.cpp. The map's texture has one level, repeats across
+// and is clamped at the poles; with the nearest filter it is what the tracer reads.
+#include "base/pi.glsl"
+
 vec3 ivory_sky(sampler2D sky, vec3 w) {
-  const float pi = 3.14159265358979;
-  float u = 0.5 + atan(-w.x, w.z) / (2.0 * pi);
-  float v = atan(length(w.xz), w.y) / pi;  // acos has no digits left near the poles
+  float u = 0.5 + atan(-w.x, w.z) / (2.0 * ivory_pi);
+  float v = atan(length(w.xz), w.y) / ivory_pi;  // acos has no digits left near the poles
   return textureLod(sky, vec2(u, v), 0.0).rgb;
 }

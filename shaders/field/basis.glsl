@@ -1,8 +1,9 @@
 // Directional bases: E(n) from the moments that a vertex of a grid stores. Twin of grid/field/basis.cpp and of
 // grid/field/compact_vectors.cpp, where the derivations are.
 //
-// Moments come as vec3 m[12], one RGB triple a function in the order of grid/field/basis.h (12, 9, 9, 6 or 4 of them count),
-// in lux; n is a unit vector in the frame that the moments live in. Answers are lux, never negative.
+// Moments come as vec3 m[12], one RGB triple a function in the order of grid/field/basis.h (12, 9, 9, 6 or 4 of them
+// count), in lux; n is a unit vector in the frame that the moments live in. Answers are lux, never negative.
+#include "base/pi.glsl"
 
 const int ivory_basis_vectors = 0;  // the values of enum class Basis
 const int ivory_basis_vectors9 = 1;
@@ -31,7 +32,7 @@ vec3 ivory_asin(vec3 x) {
   p = p * a + 0.0889789874;
   p = p * a - 0.2145988016;
   p = p * a + 1.5707963050;
-  return sign(x) * (1.57079632679 - sqrt(1.0 - a) * p);
+  return sign(x) * (0.5 * ivory_pi - sqrt(1.0 - a) * p);
 }
 
 // Coefficients of the even half: |n.w| ~ sum_i c[i][i] |w_i| + sum_{i != j} c[i][j] sgn(w_i) w_j.

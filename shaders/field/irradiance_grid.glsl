@@ -1,10 +1,10 @@
-// E(p, n) from a baked irradiance grid. Twin of grid/field/irradiance_grid.cpp and grid/field/lookup.cpp; runtime/assets/irradiance_grid.h
-// makes the textures and sets the numbers.
+// E(p, n) from a baked irradiance grid. Twin of grid/field/irradiance_grid.cpp and grid/field/lookup.cpp;
+// runtime/assets/irradiance_grid.h makes the textures and sets the numbers.
 //
 // Inputs, passed as parameters:
 //   IvoryGrid g              the numbers; see the struct
-//   sampler3D volumes        RGB16F, linear: one volume a function of the basis, side by side, each vertex's values times
-//                            its trust, divided by g.scale
+//   sampler3D volumes        RGB16F, linear: one volume a function of the basis, side by side, each vertex's values
+//                            times its trust, divided by g.scale
 //   sampler3D trust          R16F, linear: min(1, visible fraction / 0.25) a vertex, 0 where nothing is stored
 //   usampler3D guard         RGBA32UI, nearest: the vertex's guard record
 //   vec3 p, ng, n            world position in metres, unit geometric normal on the lit side, unit shading normal
@@ -193,8 +193,9 @@ IvorySeen ivory_visible_by_guard(IvoryGrid g, sampler3D trust, usampler3D guard,
 bool ivory_sees(IvorySeen seen, int e) { return (((e < 32 ? seen.entries.x : seen.entries.y) >> uint(e & 31)) & 1u) != 0u; }
 
 // As guarded_footprint(): the values of the vertices that see the point. Most points are seen by all of theirs, whose
-// weights are then the filter's. The others take a loop over vertices, one fetch a volume each, which costs no more than
-// fetching pairs of neighbours of arbitrary weights as one linear fetch between them: that filters eight texels for two.
+// weights are then the filter's. The others take a loop over vertices, one fetch a volume each, which costs no more
+// than fetching pairs of neighbours of arbitrary weights as one linear fetch between them: that filters eight texels
+// for two.
 //
 // `rounds` is 0 where a point needs none: drivers that turn branches into masks skip the rounds of a loop that no pixel
 // of a group needs, but run both sides of a branch.

@@ -5,6 +5,7 @@
 #ifndef IVORY_FIV_OVERLAP
 #define IVORY_FIV_OVERLAP 2
 #endif
+#include "base/pi.glsl"
 #include "fiv/table.glsl"
 
 // Shadows that are compared pair by pair; the macros below spell them out, as arrays indexed by variables would leave
@@ -69,10 +70,9 @@ IvoryFivShadow ivory_fiv_shadow_of(sampler3D atlas, sampler2D spheres, IvoryFivT
 
 // Area that two discs share in a plane, their centres `apart`.
 float ivory_lens_area(float r1, float r2, float apart) {
-  const float pi = 3.14159265359;
   if (apart >= r1 + r2) return 0.0;
   float smaller = min(r1, r2);
-  if (apart <= abs(r1 - r2)) return pi * smaller * smaller;
+  if (apart <= abs(r1 - r2)) return ivory_pi * smaller * smaller;
   // The angle whose cosine is c1 by both legs of its triangle: digits stay where it is small.
   float c1 = apart * apart + r1 * r1 - r2 * r2;
   float c2 = apart * apart + r2 * r2 - r1 * r1;
@@ -85,7 +85,7 @@ float ivory_fiv_common_area(IvoryFivShadow a, IvoryFivShadow b) {
   return ivory_lens_area(a.disc_radius, b.disc_radius, distance(a.towards, b.towards));
 }
 
-float ivory_fiv_disc_area(IvoryFivShadow a) { return 3.14159265359 * a.disc_radius * a.disc_radius; }
+float ivory_fiv_disc_area(IvoryFivShadow a) { return ivory_pi * a.disc_radius * a.disc_radius; }
 
 // How much of what `weak` hides `strong` has left open.
 float ivory_fiv_left_open(IvoryFivShadow strong, IvoryFivShadow weak) {

@@ -2,12 +2,13 @@
 //
 // `atlas`: all tables in one 3D texture with linear filtering. A table is a box of it, a slab for each four of its
 // numbers, three slabs side by side: azimuth (the first column once more behind the last) to x, polar angle to y,
-// spheres to z. A texel holds moments over fiv_falloff() of its sphere and over the table's scale. Slabs 0 to 2 hold the
-// vectors F_x, F_y, F_z (rgb) and, of six hemispheres, D_xx.rgb in their alphas; slabs 3 to 8 the other D in order, D_xy.r to
-// D_zz.b: number 4 s + c is channel c of slab s.
-// `spheres`: a row a table, a texel for each of its bins of even width in log2 of the distance. There at most one sphere
-// lies within a bin: (log2 of its radius, its index, spheres an octave before it, and behind it).
+// spheres to z. A texel holds moments over fiv_falloff() of its sphere and over the table's scale. Slabs 0 to 2 hold
+// the vectors F_x, F_y, F_z (rgb) and, of six hemispheres, D_xx.rgb in their alphas; slabs 3 to 8 the other D in order,
+// D_xy.r to D_zz.b: number 4 s + c is channel c of slab s.
+// `spheres`: a row a table, a texel for each of its bins of even width in log2 of the distance. There at most one
+// sphere lies within a bin: (log2 of its radius, its index, spheres an octave before it, and behind it).
 #include "base/fast_angle.glsl"
+#include "base/pi.glsl"
 
 struct IvoryFivTable {
   vec4 origin;    // xyz: the first texel of slab 0; w: slabs, 3 or 9
@@ -37,10 +38,9 @@ float ivory_fiv_sphere(sampler2D spheres, IvoryFivTable table, float r) {
 // lookup() of the twin. q: the receiver's position relative to the occluder's centre in bounding radii. Three fetches,
 // nine where `split` asks for the D of six hemispheres too; otherwise they are 0.
 IvoryFivMoments ivory_lookup(sampler3D atlas, sampler2D spheres, IvoryFivTable table, vec3 q, bool split) {
-  const float pi = 3.14159265359;
   float r = length(q);
-  float azimuth = 0.5 + ivory_fast_angle(-q.x, q.z) / (2.0 * pi);
-  float polar = ivory_fast_angle(length(q.xz), q.y) / pi;
+  float azimuth = 0.5 + ivory_fast_angle(-q.x, q.z) / (2.0 * ivory_pi);
+  float polar = ivory_fast_angle(length(q.xz), q.y) / ivory_pi;
   vec3 texel = vec3(0.5) + table.origin.xyz +
                vec3(clamp(azimuth, 0.0, 1.0) * table.samples.x, clamp(polar, 0.0, 1.0) * (table.samples.y - 1.0),
                     ivory_fiv_sphere(spheres, table, r));

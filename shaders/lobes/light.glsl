@@ -11,6 +11,7 @@
 //   [0, 2 lights)      a light's centre and radius, m; its radiance, nits
 //   [.., + groups)     spheres around eight neighbours each
 //   [.., + spheres)    the occluders, group by group; lights among them
+#include "base/pi.glsl"
 #include "lobes/table.glsl"
 #ifndef IVORY_MAX_LOBES
 #define IVORY_MAX_LOBES 2
@@ -36,8 +37,8 @@ struct IvoryLobeLights {
   float grow;       // of ivory_splat_sphere()
 };
 
-// The reflectance towards one direction times max(ns.wi, 0): colours times lobes of scale 1 at most. The first is the matt
-// one, of exponent 1; black where there is none.
+// The reflectance towards one direction times max(ns.wi, 0): colours times lobes of scale 1 at most. The first is the
+// matt one, of exponent 1; black where there is none.
 struct IvoryReflectanceLobes {
   int count;
   IvoryLobe lobe[IVORY_MAX_LOBES];
@@ -49,8 +50,7 @@ bool ivory_patch_is_above(float cosine, float spread) {
   return cosine > 0.0 && cosine * cosine >= 4.5 * spread * (2.0 - 2.0 * spread);
 }
 float ivory_matt_product(IvoryLobe f, float cosine, float height, float spread) {
-  const float pi = 3.14159265358979;
-  return f.scale * cosine * 2.0 * pi * height * (1.0 - spread);
+  return f.scale * cosine * 2.0 * ivory_pi * height * (1.0 - spread);
 }
 
 // f with the lobe of a patch: its solid angle over 2 pi and 1 - mean cosine.
@@ -63,9 +63,8 @@ float ivory_product_with_patch(IvoryLobeTable table, sampler3D integrals, IvoryL
 
 // The product of f with a leaf of that height is below `least` where the angle's cosine is below the returned value.
 float ivory_cosine_of_product(IvoryLobe f, float height, float least) {
-  const float pi = 3.14159265358979;
   float e = min(2.0 / height - 2.0, 100000.0);
-  float peak = f.scale * 2.0 * pi * (2.0 - height) / (f.exponent + e + 1.0);
+  float peak = f.scale * 2.0 * ivory_pi * (2.0 - height) / (f.exponent + e + 1.0);
   float ratio = least / peak;
   if (!(ratio < 1.0)) return 2.0;  // even the peak is
   float harmonic = f.exponent * e / max(f.exponent + e, 1e-6);
@@ -91,8 +90,8 @@ void ivory_make_shadow_mask(inout uint rows[IVORY_MASK_SIZE], IvoryLobeLights lo
   float sine = sqrt(cap.height * (2.0 - cap.height));
   int first_group = 2 * lobes.lights;
   int first_sphere = first_group + lobes.groups;
-  // Two loops, the inner one looking for the next sphere to splat: lanes that run side by side wait for the longest list
-  // of spheres found, not of spheres asked. (Not as do-while loops: nested ones go wrong in Mesa 22.3.)
+  // Two loops, the inner one looking for the next sphere to splat: lanes that run side by side wait for the longest
+  // list of spheres found, not of spheres asked. (Not as do-while loops: nested ones go wrong in Mesa 22.3.)
   int i = wanted ? 0 : lobes.spheres;
   bool open = false;  // within a group that may hide something
   while (i < lobes.spheres) {
@@ -110,11 +109,10 @@ void ivory_make_shadow_mask(inout uint rows[IVORY_MASK_SIZE], IvoryLobeLights lo
   }
 }
 
-// Radiance in nits that a surface at world p with shading normal ns sends on. A light that holds p gives nothing, spheres that hold
-// p cast no shadow there.
+// Radiance in nits that a surface at world p with shading normal ns sends on. A light that holds p gives nothing,
+// spheres that hold p cast no shadow there.
 vec3 ivory_lobe_light(IvoryLobeLights lobes, samplerBuffer scene, samplerBuffer blocks, sampler3D integrals, vec3 p,
                       vec3 ns, IvoryReflectanceLobes r) {
-  const float pi = 3.14159265358979;
   vec3 radiance = vec3(0.0);
   for (int light_index = 0; light_index < lobes.lights; ++light_index) {
     vec4 light = texelFetch(scene, 2 * light_index);
@@ -138,7 +136,7 @@ vec3 ivory_lobe_light(IvoryLobeLights lobes, samplerBuffer scene, samplerBuffer 
       level = max(level, split[k]);
       whole[k] = ivory_product_with_patch(lobes.table, integrals, r.lobe[k], cap.z, cap.height, 0.5 * cap.height);
       for (int l = 0; l <= IVORY_LEAF_DEPTH; ++l) {
-        float height = min(cap.height * (4.0 / pi) / float(1 << (2 * l)), cap.height);
+        float height = min(cap.height * (4.0 / ivory_pi) / float(1 << (2 * l)), cap.height);
         float least = ivory_cosine_of_product(r.lobe[k], height, lobes.threshold * whole[k]);
         least_cosine[k * (IVORY_LEAF_DEPTH + 1) + l] = lobes.threshold > 0.0 ? least : -2.0;
       }
@@ -226,16 +224,15 @@ float ivory_phong_exponent(float roughness_alpha) {
   return clamp(0.5 * (1.0 - alpha2) / alpha2, 0.0, 100000.0);
 }
 
-// Modified Phong: f = kd/pi + ks (e + 2)/(2 pi) max(r.wi, 0)^e, kd the diffuse albedo times what ks, the specular reflectance at
-// normal incidence, leaves over.
+// Modified Phong: f = kd/pi + ks (e + 2)/(2 pi) max(r.wi, 0)^e, kd the diffuse albedo times what ks, the specular
+// reflectance at normal incidence, leaves over.
 IvoryReflectanceLobes ivory_phong_lobes(IvoryLobeTable table, sampler3D products, vec3 ns, vec3 wo, vec3 diffuse_albedo,
                                         vec3 ks, float roughness_alpha) {
-  const float pi = 3.14159265358979;
   float largest = max(ks.x, max(ks.y, ks.z));
-  IvoryReflectanceLobes r = ivory_matt_lobes(ns, diffuse_albedo * (max(0.0, 1.0 - largest) / pi));
+  IvoryReflectanceLobes r = ivory_matt_lobes(ns, diffuse_albedo * (max(0.0, 1.0 - largest) / ivory_pi));
   float exponent = ivory_phong_exponent(roughness_alpha);
   vec3 mirror = normalize(ns * (2.0 * dot(ns, wo)) - wo);
-  ivory_add_glossy_lobe(r, table, products, ns, mirror, exponent, ks * ((exponent + 2.0) / (2.0 * pi)));
+  ivory_add_glossy_lobe(r, table, products, ns, mirror, exponent, ks * ((exponent + 2.0) / (2.0 * ivory_pi)));
   return r;
 }
 #endif

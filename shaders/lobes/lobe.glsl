@@ -1,4 +1,5 @@
 // Cosine lobes s max(a.w, 0)^e around unit axes a. Twin of grid/lobes/lobe.cpp, where the closed forms are derived.
+#include "base/pi.glsl"
 
 struct IvoryLobe {
   vec3 axis;       // unit
@@ -13,8 +14,7 @@ float ivory_eval_lobe(IvoryLobe lobe, vec3 w) {
 
 // Over the whole sphere.
 float ivory_lobe_integral(IvoryLobe lobe) {
-  const float pi = 3.14159265358979;
-  return 2.0 * pi * lobe.scale / (lobe.exponent + 1.0);
+  return 2.0 * ivory_pi * lobe.scale / (lobe.exponent + 1.0);
 }
 
 // The lobe of any patch of directions: solid angle over 2 pi, and 1 - mean cosine to the axis (0 to 1/2).

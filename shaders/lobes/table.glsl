@@ -1,9 +1,11 @@
-// The product of two cosine lobes as one lobe, by a table. Twin of grid/lobes/table.cpp, where the guess is derived that the table
-// corrects.
+// The product of two cosine lobes as one lobe, by a table. Twin of grid/lobes/table.cpp, where the guess is derived
+// that the table corrects.
 //
-// Inputs: IvoryLobeTable and two 3D textures with linear filters from ivory::bind(GpuLobes): x angle, y second exponent,
-// z first; `integrals` R32F holds integral/guess, `products` RGB32F that, the axis' correction and the exponent's share.
-// Hardware that filters with weights of 8 bits adds at most 1/512 of the difference between neighbouring nodes along each axis.
+// Inputs: IvoryLobeTable and two 3D textures with linear filters from ivory::bind(GpuLobes): x angle, y second
+// exponent, z first; `integrals` R32F holds integral/guess, `products` RGB32F that, the axis' correction and the
+// exponent's share. Hardware that filters with weights of 8 bits adds at most 1/512 of the difference between
+// neighbouring nodes along each axis.
+#include "base/pi.glsl"
 #include "lobes/lobe.glsl"
 
 struct IvoryLobeTable {
@@ -32,7 +34,6 @@ struct IvoryLobeGuess {
 
 // The angle between the axes by its cosine y and sine.
 IvoryLobeGuess ivory_lobe_guess(float e1, float e2, float y, float sine) {
-  const float pi = 3.14159265358979;
   float f1 = e1 + 0.5;
   float f2 = e2 + 0.5;
   float n = f1 + f2;
@@ -44,7 +45,7 @@ IvoryLobeGuess ivory_lobe_guess(float e1, float e2, float y, float sine) {
   float t1 = tan1 * tan1;
   float t2 = tan2 * tan2;
   float log_peak = -0.5 * (e1 * ivory_log1p(t1) + e2 * ivory_log1p(t2));
-  float width = 2.0 * pi / (e1 + e2 + 1.0) * sqrt(n / (n + f1 * t1 + f2 * t2));
+  float width = 2.0 * ivory_pi / (e1 + e2 + 1.0) * sqrt(n / (n + f1 * t1 + f2 * t2));
   return IvoryLobeGuess(tan1, width * exp(log_peak));
 }
 
@@ -78,14 +79,13 @@ float ivory_lobe_product_integral(IvoryLobeTable table, sampler3D integrals, Ivo
 
 // The product as one lobe.
 IvoryLobe ivory_lobe_product(IvoryLobeTable table, sampler3D products, IvoryLobe a, IvoryLobe b) {
-  const float pi = 3.14159265358979;
   float e1 = min(a.exponent, 100000.0);
   float e2 = min(b.exponent, 100000.0);
   vec3 angle = ivory_lobe_angle(a.axis, b.axis);
   IvoryLobeGuess guess = ivory_lobe_guess(e1, e2, angle.x, angle.y);
   vec3 read = textureLod(products, ivory_lobe_locate(table, e1, e2, angle.z), 0.0).rgb;
   float exponent = max((e1 + e2 + 2.0) * read.b - 2.0, 0.0);
-  float scale = a.scale * b.scale * guess.integral * read.r * (exponent + 1.0) / (2.0 * pi);
+  float scale = a.scale * b.scale * guess.integral * read.r * (exponent + 1.0) / (2.0 * ivory_pi);
   // cos and sin of atan(tan1) plus the correction: rotated by it.
   float c1 = inversesqrt(1.0 + guess.tan1 * guess.tan1);
   float s1 = guess.tan1 > 1e18 ? 1.0 : guess.tan1 * c1;

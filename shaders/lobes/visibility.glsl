@@ -1,12 +1,14 @@
-// How spheres hide a spherical light: a mask of bits over the light's cap, and its quad-tree. Twin of grid/lobes/visibility.cpp,
-// where the geometry is derived.
+// How spheres hide a spherical light: a mask of bits over the light's cap, and its quad-tree. Twin of
+// grid/lobes/visibility.cpp, where the geometry is derived.
 //
 // Define before it, else the defaults hold:
 //   IVORY_MASK_DEPTH  the mask has 2^depth rows of 2^depth cells, 0 to 5; bit i of row j is the cell at column i
-//   IVORY_LEAF_DEPTH  the finest level that leaves may lie on, IVORY_MASK_DEPTH to 5: what lights are split to (lobes/light.glsl)
+//   IVORY_LEAF_DEPTH  the finest level that leaves may lie on, IVORY_MASK_DEPTH to 5: what lights are split to
+//                     (lobes/light.glsl)
 //
-// Loops have constant bounds for compilers to unroll, so that rows are registers. The leaves are found by walking over the
-// rows' bits; without branches that lanes would have to wait for.
+// Loops have constant bounds for compilers to unroll, so that rows are registers. The leaves are found by walking over
+// the rows' bits; without branches that lanes would have to wait for.
+#include "base/pi.glsl"
 #include "lobes/lobe.glsl"
 #include "lobes/sphere_set.glsl"
 
@@ -43,8 +45,8 @@ IvoryLightCap ivory_make_light_cap(vec4 light, vec3 p) {
                        height, sqrt(height / (2.0 - height)));
 }
 
-// Marks the cells of `rows` whose centres (grown by `grow`: 0, or -+ sqrt(2)/2^depth for MaskRule inside and touched) lie behind
-// the sphere, if `wanted`. A sphere that holds p, or is no nearer than the light, hides nothing.
+// Marks the cells of `rows` whose centres (grown by `grow`: 0, or -+ sqrt(2)/2^depth for MaskRule inside and touched)
+// lie behind the sphere, if `wanted`. A sphere that holds p, or is no nearer than the light, hides nothing.
 void ivory_splat_sphere(inout uint rows[IVORY_MASK_SIZE], vec4 sphere, bool wanted, IvoryLightCap cap, vec3 p,
                         float light_power, float grow) {
   const float half_size = 0.5 * float(IVORY_MASK_SIZE);
@@ -80,7 +82,8 @@ void ivory_splat_sphere(inout uint rows[IVORY_MASK_SIZE], vec4 sphere, bool want
   }
 }
 
-// Cells at each end of a row that lie outside the disc altogether: those that grid/lobes/visibility.cpp finds no part in.
+// Cells at each end of a row that lie outside the disc altogether: those that grid/lobes/visibility.cpp finds no part
+// in.
 uint ivory_outside_row(int j) {
 #if IVORY_LEAF_DEPTH == 5
   const int ends[16] = int[16](10, 8, 6, 5, 4, 3, 2, 2, 1, 1, 0, 0, 0, 0, 0, 0);
@@ -97,9 +100,9 @@ uint ivory_outside_row(int j) {
   return end | (end << uint(IVORY_LEAF_SIZE - max(k, 1)));
 }
 
-// The leaves of a mask's quad-tree: blocks that are dark or lit throughout while their parents are neither. Each has a bit of
-// its own in `anchor`, at its first cell in a grid of 2^IVORY_LEAF_DEPTH; there are its `lit` bit and the three bits of how many
-// levels it lies above that grid.
+// The leaves of a mask's quad-tree: blocks that are dark or lit throughout while their parents are neither. Each has a
+// bit of its own in `anchor`, at its first cell in a grid of 2^IVORY_LEAF_DEPTH; there are its `lit` bit and the three
+// bits of how many levels it lies above that grid.
 struct IvoryMaskLeaves {
   uint anchor[IVORY_LEAF_SIZE];
   uint lit[IVORY_LEAF_SIZE];
@@ -109,8 +112,8 @@ struct IvoryMaskLeaves {
   uint rows;  // bit j: row j has anchors
 };
 
-// One level: blocks of 2^S cells make those of 2^(S+1), and keep what these do not take. `dark`, `bright` and `outside` hold
-// at a block's first cell whether it is so throughout.
+// One level: blocks of 2^S cells make those of 2^(S+1), and keep what these do not take. `dark`, `bright` and `outside`
+// hold at a block's first cell whether it is so throughout.
 #define IVORY_LEAVES_LEFT(S, row, taken) ((dark[row] | bright[row]) & ~outside[row] & ~(taken) & (S <= finest ? ~0u : 0u))
 #define IVORY_MARK_LEAVES(row, own) leaves.anchor[row] |= own; leaves.lit[row] |= own & bright[row];
 #define IVORY_MARK_BIT(S, above, bit, row, own) if ((S & bit) != 0) leaves.above[row] |= own;
@@ -198,10 +201,9 @@ struct IvoryMaskLeaf {
   bool lit;
 };
 
-// The block's leaf. `blocks` (RGBA32F, from ivory::bind(GpuLobes)) holds all levels' blocks, two texels each: centroid, area,
-// variance; a, b (grid/lobes/visibility.h, MaskBlock).
+// The block's leaf. `blocks` (RGBA32F, from ivory::bind(GpuLobes)) holds all levels' blocks, two texels each: centroid,
+// area, variance; a, b (grid/lobes/visibility.h, MaskBlock).
 IvoryMaskLeaf ivory_make_leaf(samplerBuffer blocks, int block, IvoryLightCap cap, int level, bool lit) {
-  const float pi = 3.14159265358979;
   vec4 b = texelFetch(blocks, 2 * block);
   vec2 r2 = texelFetch(blocks, 2 * block + 1).xy;
   float t2 = cap.tan_half * cap.tan_half;
@@ -210,7 +212,7 @@ IvoryMaskLeaf ivory_make_leaf(samplerBuffer blocks, int block, IvoryLightCap cap
   float q = 1.0 / (1.0 + at.x * at.x + at.y * at.y);
   vec3 axis = cap.x * (2.0 * at.x * q) + cap.y * (2.0 * at.y * q) + cap.z * ((1.0 - at.x * at.x - at.y * at.y) * q);
   float bracket = 1.0 / ((1.0 + t2 * r2.x) * (1.0 + t2 * r2.y));
-  return IvoryMaskLeaf(axis, 4.0 * t2 * b.z * bracket / (2.0 * pi), 2.0 * t2 * b.w * bracket, level, lit);
+  return IvoryMaskLeaf(axis, 4.0 * t2 * b.z * bracket / (2.0 * ivory_pi), 2.0 * t2 * b.w * bracket, level, lit);
 }
 
 IvoryMaskLeaf ivory_next_leaf(inout IvoryLeafWalk walk, IvoryMaskLeaves leaves, samplerBuffer blocks, IvoryLightCap cap) {

@@ -1,5 +1,6 @@
-// glTF's reflection model: a Lambert lobe below a GGX microfacet lobe, mixed by Fresnel; twin of tracer/bsdf/bsdf.cpp, where
-// the model is derived. wo and wi leave the surface, towards the eye and towards the light; all vectors are unit.
+// glTF's reflection model: a Lambert lobe below a GGX microfacet lobe, mixed by Fresnel; twin of tracer/bsdf/bsdf.cpp,
+// where the model is derived. wo and wi leave the surface, towards the eye and towards the light; all vectors are unit.
+#include "base/pi.glsl"
 
 struct IvorySurface {
   vec3 p;               // world, m
@@ -14,7 +15,6 @@ struct IvorySurface {
   float coverage;       // 0 to 1
 };
 
-const float ivory_pi = 3.14159265358979;
 
 float ivory_max_component(vec3 c) { return max(c.x, max(c.y, c.z)); }
 
@@ -52,8 +52,8 @@ vec3 ivory_eval_bsdf(IvorySurface s, vec3 wi) {
 }
 
 // What of E comes back as diffuse light: L = ivory_diffuse_reflectance / pi * E. Fresnel's share of uniform light for
-// f0 = 0, f90 = 1 is a polynomial in 1 - cos fitted by least squares to the integral of (1 - h.wo)^5 cos/pi over wi (what
-// tracer/bsdf/bsdf.cpp tabulates), at 201 even cosines; it is within 1.1e-5.
+// f0 = 0, f90 = 1 is a polynomial in 1 - cos fitted by least squares to the integral of (1 - h.wo)^5 cos/pi over wi
+// (what tracer/bsdf/bsdf.cpp tabulates), at 201 even cosines; it is within 1.1e-5.
 vec3 ivory_diffuse_reflectance(IvorySurface s) {
   float mu = dot(s.ns, s.wo);
   if (mu <= 1e-6 || dot(s.ng, s.wo) <= 0.0) return vec3(0.0);

@@ -1,5 +1,5 @@
-// Fragment stage of ivory::Renderer. Before it stand an object's source of ambient light (runtime/assets/ambient.h) and,
-// where a program brings its own, ivory_output().
+// Fragment stage of ivory::Renderer. Before it stand an object's source of ambient light (runtime/assets/ambient.h)
+// and, where a program brings its own, ivory_output().
 #include "renderer/surface.glsl"
 #include "renderer/punctual_lights.glsl"
 

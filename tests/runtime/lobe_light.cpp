@@ -216,7 +216,7 @@ vec4 evaluate(int i) {
 }
 
 struct Lit {
-  std::vector<BallLight> lights;
+  std::vector<RuntimeSphereLight> lights;
   std::vector<Sphere> occluders;
   std::vector<V4f> p, n, wo, material;  // material: roughness alpha
 };
@@ -235,7 +235,7 @@ Lit random_lit() {
     if (wo.dot(n) < 0) wo = -wo;
     V3f p = random_direction(random) * (3 * unit(random));
     if (i % 4 == 0) p.y = -1;
-    if (i % 50 == 0) p = lit.lights[0].ball.center + random_direction(random) * unit(random);
+    if (i % 50 == 0) p = lit.lights[0].sphere.center + random_direction(random) * unit(random);
     lit.p.push_back(to_v4(p));
     lit.n.push_back(to_v4(n));
     lit.wo.push_back(to_v4(wo));
@@ -248,8 +248,8 @@ Lit random_lit() {
 Rgb on_cpu(const LobeTable& table, const Lit& lit, const SphereGroups& groups, const V3f& p, const V3f& ns,
            const ReflectanceLobes& lobes, const LobeLightParams& params) {
   Rgb sum(0, 0, 0);
-  for (const BallLight& light : lit.lights)
-    sum += light.radiance_nits * lobe_light(table, light.ball, groups, p, ns, lobes, params);
+  for (const RuntimeSphereLight& light : lit.lights)
+    sum += light.radiance_nits * lobe_light(table, light.sphere, groups, p, ns, lobes, params);
   return sum;
 }
 
@@ -261,7 +261,7 @@ void compare(bool glossy, const LobeLightParams& params) {
   const Lit lit = random_lit();
   place(gpu, lit.lights, lit.occluders);
   std::vector<Sphere> occluders = lit.occluders;
-  for (const BallLight& light : lit.lights) occluders.push_back(light.ball);
+  for (const RuntimeSphereLight& light : lit.lights) occluders.push_back(light.sphere);
   const SphereGroups groups = make_sphere_groups(occluders);
   const SphereGroups nothing;
   const Rgb albedo(0.5F, 0.3F, 0.1F);

@@ -205,7 +205,7 @@ TEST_F(RuntimeLobes, LoadsFilesAndRefusesBadOnesWithoutLeavingObjects) {
     GpuLobes gpu = load_lobes(good);
     EXPECT_EQ(gpu.exponent_nodes, 5);
     EXPECT_EQ(gpu.angle_nodes, 9);
-    place(gpu, std::vector<BallLight>{{{V3f(0, 3, 0), 1}, Rgb(1, 1, 1)}},
+    place(gpu, std::vector<RuntimeSphereLight>{{{V3f(0, 3, 0), 1}, Rgb(1, 1, 1)}},
           std::vector<Sphere>(20, {V3f(0, 1, 0), 0.1F}));
     EXPECT_EQ(gpu.spheres, 21);
     EXPECT_EQ(gpu.groups, 3);

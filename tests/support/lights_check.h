@@ -3,35 +3,26 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <string>
 
 #include <gtest/gtest.h>
 
 #include "tests/support/statistics.h"
 #include "tools/stability/scene_builder.h"
-#include "tracer/lights/lights.h"
+#include "tracer/core/lit_scene.h"
 
 namespace ivory {
 
 inline RandomStream test_stream(std::uint64_t index = 0) { return {1, StreamPurpose::test, index}; }
 
-// Keeps what Lights refers to alive. A black box far away gives the scene a bounding sphere without
-// standing in the light's way.
-struct BareLights {
-  Scene scene;
-  std::unique_ptr<Intersector> intersector;
-  std::unique_ptr<Lights> lights;
-
-  explicit BareLights(Scene s) : scene(std::move(s)) {
-    if (scene.instances.empty()) {
-      const int black = add_lambert(scene, Rgb(0, 0, 0));
-      add_mesh(scene, make_room(V3f(-1, -1, -1), V3f(1, 1, 1), black));
-    }
-    intersector = std::make_unique<Intersector>(scene);
-    lights = std::make_unique<Lights>(scene, *intersector);
+// A black box gives a scene of lights alone a bounding sphere.
+inline LitScene in_black_box(Scene scene) {
+  if (scene.instances.empty()) {
+    const int black = add_lambert(scene, Rgb(0, 0, 0));
+    add_mesh(scene, make_room(V3f(-1, -1, -1), V3f(1, 1, 1), black));
   }
-};
+  return make_lit_scene(std::move(scene));
+}
 
 // E(p, n) by sampling lights, without occlusion.
 inline Accumulator irradiance_samples(const Lights& lights, const V3f& p, const V3f& n, int count) {

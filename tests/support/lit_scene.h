@@ -1,4 +1,4 @@
-// A scene ready to be rendered, and many independent estimates of one ray's light.
+// Scenes to trace in, and many independent estimates of one ray's light.
 #pragma once
 
 #include <functional>
@@ -9,14 +9,6 @@
 #include "tracer/render/render.h"
 
 namespace ivory {
-
-struct LitScene {
-  Scene scene;
-  Intersector intersector;
-  Lights lights;
-
-  explicit LitScene(Scene s) : scene(std::move(s)), intersector(scene), lights(scene, intersector) {}
-};
 
 inline Ray ray_to(const V3f& origin, const V3f& target) {
   Ray ray;
@@ -38,8 +30,7 @@ inline Accumulator collect(int count, const Estimate& estimate, std::uint64_t st
 inline Accumulator path_samples(const LitScene& lit, const Ray& ray, const PathParams& params, int count,
                                 std::uint64_t stream = 0) {
   return collect(
-      count, [&](RandomStream& random) { return trace_path(lit.intersector, lit.lights, ray, params, random); },
-      stream);
+      count, [&](RandomStream& random) { return trace_path(lit, ray, params, random); }, stream);
 }
 
 inline Scene furnace(float albedo, const Rgb& emission) {

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/gl/gl.h"
-#include "tools/view/draw/gl_context.h"
+#include "runtime/gl/headless_context.h"
 
 namespace ivory {
 

@@ -69,7 +69,7 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& co
   const auto input = load_scene_input(options.scene, options.environment, common, [&](Scene& scene) {
     for (const std::string& node : options.without) remove_node(scene, node);
   });
-  if (input->lights->empty())
+  if (input.lit.lights.empty())
     throw Error(options.scene, "nothing emits light", "add a light or an emissive material, or give --env");
 
   CaptureParams params;
@@ -80,7 +80,7 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& co
   std::optional<IrradianceGrid> grid;
   GridLight light;
   if (!options.grid->grid.empty()) {
-    grid = load_grid(*options.grid, *input, common);
+    grid = load_grid(*options.grid, input, common);
     light = grid_light(*options.grid, *grid);
     params.grid = &light;
   }
@@ -89,14 +89,14 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& co
     Progress progress(common, "capturing", "samples");
     const std::uint64_t total = std::uint64_t(6) * options.capture * options.capture * options.samples;
     params.progress = [&](double fraction) { progress.update(std::uint64_t(fraction * double(total)), total); };
-    return capture_cube(*input->intersector, *input->lights, options.at, params);
+    return capture_cube(input.lit, options.at, params);
   }();
-  const std::vector<std::string> warnings = judge(options, capture, input->scene);
+  const std::vector<std::string> warnings = judge(options, capture, *input.lit.scene);
   for (const std::string& warning : warnings) print_note(common, "warning: " + warning);
   LocalizedCube cube = localize(capture.cube, options.size, shell);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-  Metadata& m = cube.metadata = input->origin;
+  Metadata& m = cube.metadata = input.origin;
   m["version"] = std::string(IVORY_VERSION);
   m["method"] = std::string("localized cube map");
   m["indirect"] = std::string(grid ? "grid" : "path");
@@ -128,7 +128,7 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& co
   result["nearest_m"] = nearest > 0 ? 1 / nearest : 0.0;
   result["sky_share"] = capture.sky_share;
   result["seconds"] = seconds;
-  std::vector<std::string> all = input->warnings;
+  std::vector<std::string> all = input.warnings;
   all.insert(all.end(), warnings.begin(), warnings.end());
   result["warnings"] = all;
   std::string human =

@@ -69,8 +69,8 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   check_output(options.output, ".vdb", common);
 
   const auto input = load_scene_input(options.scene, options.environment, common);
-  const GridFrame frame = default_frame(input->scene, params);
-  if (const int threads = affordable_threads(input->scene, *input->lights, frame, params); threads < params.threads) {
+  const GridFrame frame = default_frame(*input.lit.scene, params);
+  if (const int threads = affordable_threads(input.lit, frame, params); threads < params.threads) {
     print_note(common, fmt::format("note: {} threads instead of {}: each needs memory for the whole grid", threads,
                                    params.threads));
     params.threads = threads;
@@ -82,17 +82,17 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
                               frame.size.x, frame.size.y, frame.size.z, frame.spacing_m.x, frame.spacing_m.y,
                               frame.spacing_m.z));
     params.progress = progress.callback();
-    return bake_grid_sums(*input->intersector, *input->lights, params);
+    return bake_grid_sums(input.lit, params);
   }();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  for (const auto& [key, value] : input->origin) sums.metadata[key] = value;
+  for (const auto& [key, value] : input.origin) sums.metadata[key] = value;
   sums.metadata["version"] = std::string(IVORY_VERSION);
 
   auto result = write_result(options.output, sums, /*finished=*/!params.photon_range, common);
   const double rate = static_cast<double>(sums.photon_end - sums.photon_begin) / seconds;
   result["seconds"] = seconds;
   result["photons_per_second"] = rate;
-  result["warnings"] = input->warnings;
+  result["warnings"] = input.warnings;
   print_result(common, result,
                result_text(result) +
                    fmt::format("{:.2f} s, {} photons/s on {} threads\n", seconds, format_count(rate), params.threads));

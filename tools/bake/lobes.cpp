@@ -18,7 +18,7 @@ namespace {
 struct BakeLobesOptions {
   std::string output;
   LobeTableParams table;
-  std::uint64_t samples = 100'000;
+  int samples = 100'000;
   std::uint64_t seed = 1;
 };
 
@@ -100,17 +100,8 @@ void add_bake_lobes_command(Command bake, CommonOptions& common) {
       .within(2, 129);
   command.add_option("--angle-nodes", options->table.angle_nodes, "Nodes along the angle between the axes")
       .within(2, 513);
-  command
-      .add_option(
-          "--error-samples",
-          [options](const std::string& text) {
-            options->samples = parse_count("--error-samples", text);
-            if (options->samples < 1 || options->samples > 100'000'000)
-              throw UsageError("--error-samples must lie between 1 and 100m");
-          },
-          "Random products that the errors are measured on")
-      .default_str("100k")
-      .type_name("COUNT");
+  command.add_count("--error-samples", options->samples, 1, 100'000'000,
+                    "Random products that the errors are measured on");
   command.add_count("--seed", options->seed, "Seed of those");
   command.footer(
       "A product's integral and vector moment are exact but for the table's interpolation; its shape is that of the\n"

@@ -22,19 +22,18 @@ namespace {
 struct BakeSpheresOptions {
   std::string mesh;
   std::string output;
-  std::uint64_t count = 64;
+  int count = 64;
   int resolution = 0;
 };
 
 void run(const BakeSpheresOptions& options, const CommonOptions& common) {
-  if (options.count < 1 || options.count > 4096) throw UsageError("--count must lie between 1 and 4096");
   check_output(options.output, ".json", common);
   if (!is_scene_name(options.mesh)) throw Error(options.mesh, "is no .gltf or .glb file", "convert the mesh");
   const LoadedScene loaded = load_gltf(options.mesh);
   for (const std::string& warning : loaded.warnings) print_note(common, "warning: " + warning);
 
   SphereFitParams params;
-  params.count = int(options.count);
+  params.count = options.count;
   params.resolution = options.resolution;
   Progress progress(common, "fitting", "steps");
   params.progress = [&](double fraction) { progress.update(std::uint64_t(fraction * 1000), 1000); };
@@ -88,7 +87,7 @@ void add_bake_spheres_command(Command bake, CommonOptions& common) {
       .required()
       .type_name("MESH");
   command.add_option("-o,--output", options->output, "Sphere set to write").required().type_name("OUT.json");
-  command.add_count("--count", options->count, "Spheres, 4096 at most");
+  command.add_count("--count", options->count, 1, 4096, "Spheres, 4096 at most");
   command.add_option("--resolution", options->resolution, "Voxels along the longest side [48 to 160 by --count]")
       .within(16, 192);
   command.footer(

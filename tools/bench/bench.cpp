@@ -71,12 +71,11 @@ void run(const BenchOptions& options, const CommonOptions& common) {
 
   nlohmann::ordered_json results = nlohmann::ordered_json::array();
   std::string text;
-  for (const Scene& scene : scenes) {
-    const Intersector intersector(scene);
-    const Lights lights(scene, intersector);
-    const TracerBench bench = bench_tracer(intersector, lights, params);
-    results.push_back(to_json(scene.name, bench));
-    text += to_text(scene.name, bench);
+  for (Scene& scene : scenes) {
+    const LitScene lit = make_lit_scene(std::move(scene));
+    const TracerBench bench = bench_tracer(lit, params);
+    results.push_back(to_json(lit.scene->name, bench));
+    text += to_text(lit.scene->name, bench);
   }
   print_result(common, {{"threads", params.threads}, {"scenes", results}}, text);
 }
@@ -89,27 +88,25 @@ struct LookupBenchOptions {
 };
 
 void run_lookup(const LookupBenchOptions& options, const CommonOptions& common) {
-  const Scene scene = load_gltf(options.scene).scene;
-  const Intersector intersector(scene);
-  const Lights lights(scene, intersector);
+  const LitScene lit = make_lit_scene(load_gltf(options.scene).scene);
   GridBakeParams bake;
   bake.resolution = parse_size3("--resolution", options.resolution, 2);
   bake.photons = options.photons;
   bake.threads = thread_count(common);
-  const IrradianceGrid grid = resolve(bake_grid_sums(intersector, lights, bake));
+  const IrradianceGrid grid = resolve(bake_grid_sums(lit, bake));
   LookupParams lookup;
   if (options.tricubic) lookup.interpolation = Interpolation::tricubic;
-  const LookupBench bench = bench_lookup(grid, intersector, lookup);
+  const LookupBench bench = bench_lookup(grid, lit.intersector, lookup);
   print_result(
       common,
-      {{"scene", scene.name},
+      {{"scene", lit.scene->name},
        {"lookup_off_ns", bench.off_ns},
        {"lookup_planes_ns", bench.planes_ns},
        {"lookup_rays_ns", bench.rays_ns},
        {"occlusion_ray_ns", bench.occlusion_ray_ns}},
       fmt::format("{}: a look-up takes {:.0f} ns without guard, {:.0f} ns with the stored planes, {:.0f} ns with "
                   "rays; one short occlusion ray takes {:.0f} ns\n",
-                  scene.name, bench.off_ns, bench.planes_ns, bench.rays_ns, bench.occlusion_ray_ns));
+                  lit.scene->name, bench.off_ns, bench.planes_ns, bench.rays_ns, bench.occlusion_ray_ns));
 }
 
 void add_lookup_bench(Command bench, CommonOptions& common) {

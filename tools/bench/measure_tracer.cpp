@@ -70,8 +70,8 @@ double trace_and_deposit(const PhotonTracer& tracer, std::uint64_t begin, std::u
 }
 
 // The tracer's own rays, with the order they were traced in.
-std::vector<Ray> record_rays(const Intersector& intersector, const Lights& lights, const TracerBenchParams& params) {
-  const PhotonTracer tracer(intersector, lights, {.include_direct = true, .seed = params.seed});
+std::vector<Ray> record_rays(const LitScene& lit, const TracerBenchParams& params) {
+  const PhotonTracer tracer(lit, {.include_direct = true, .seed = params.seed});
   std::vector<PhotonSegment> segments;
   PhotonLedger ledger;
   tracer.trace(0, params.photons, segments, ledger);
@@ -127,16 +127,16 @@ double relative_variance(const PhotonTracer& tracer, const DepositTarget& empty,
 
 }  // namespace
 
-TracerBench bench_tracer(const Intersector& intersector, const Lights& lights, const TracerBenchParams& params) {
-  const Scene& scene = intersector.scene();
+TracerBench bench_tracer(const LitScene& lit, const TracerBenchParams& params) {
+  const Scene& scene = *lit.scene;
   const int threads = params.threads > 0 ? params.threads : tbb::this_task_arena::max_concurrency();
-  const PhotonTracer tracer(intersector, lights, {.seed = params.seed});
+  const PhotonTracer tracer(lit, {.seed = params.seed});
   GridBakeParams placement;
   placement.resolution = params.resolution;
   const GridFrame frame = default_frame(scene, placement);
-  const std::vector<std::uint64_t> masks = vertex_cell_masks(intersector, frame);
-  const Lights::PhotonPower power = lights.photon_power();
-  const std::vector<Ray> rays = record_rays(intersector, lights, params);
+  const std::vector<std::uint64_t> masks = vertex_cell_masks(lit.intersector, frame);
+  const Lights::PhotonPower power = lit.lights.photon_power();
+  const std::vector<Ray> rays = record_rays(lit, params);
 
   TracerBench bench;
   for (const Instance& instance : scene.instances)
@@ -165,7 +165,7 @@ TracerBench bench_tracer(const Intersector& intersector, const Lights& lights, c
   std::vector<std::vector<double>> method_time(methods.size());
   std::int64_t traced = 0;
   for (int round = 0; round < params.rounds; ++round) {
-    const double embree_s = replay(intersector, rays, threads);
+    const double embree_s = replay(lit.intersector, rays, threads);
     for (std::size_t m = 0; m < methods.size(); ++m)
       method_time[m].push_back(
           trace_and_deposit(tracer, 0, params.photons, &targets[m], methods[m].walk, threads, traced));

@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "grid/field/accumulator.h"
-#include "tracer/core/intersector.h"
-#include "tracer/lights/lights.h"
+#include "tracer/core/lit_scene.h"
 
 namespace ivory {
 
@@ -37,7 +36,7 @@ struct TracerBench {
   std::vector<DepositFigure> deposits;
 };
 
-TracerBench bench_tracer(const Intersector& intersector, const Lights& lights, const TracerBenchParams& params);
+TracerBench bench_tracer(const LitScene& lit, const TracerBenchParams& params);
 
 // A closed cave whose walls are one finely displaced mesh of about `triangles` triangles, with a point light
 // in it: for measurements that need a large mesh and no file.

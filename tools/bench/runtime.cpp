@@ -17,12 +17,12 @@
 #include "runtime/assets/irradiance_grid.h"
 #include "runtime/assets/lobes.h"
 #include "runtime/gl/check.h"
+#include "runtime/gl/headless_context.h"
 #include "runtime/renderer/renderer.h"
 #include "tools/bench/runtime_assets.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/cli/environment_input.h"
-#include "tools/view/draw/gl_context.h"
 #include "tracer/bake/fiv/baker.h"
 #include "tracer/gltf/loader.h"
 
@@ -71,7 +71,7 @@ class Stage {
     data.positions = floor.positions;
     data.normals = floor.normals;
     data.triangles = floor.triangles;
-    floor_ = upload("floor", data);
+    floor_ = upload(data, "floor");
     material_.dielectric_f0 = Rgb(0, 0, 0);
     material_.dielectric_f90 = 0;
     M44f camera;
@@ -103,7 +103,7 @@ class Stage {
   GpuMesh floor_;
   SurfaceMaterial material_;
   DrawItem item_;
-  Frame frame_;
+  FrameParams frame_;
   Renderer renderer_;
 };
 
@@ -247,7 +247,7 @@ void run(const BenchRuntimeOptions& options, const CommonOptions& common) {
   const GpuGrid grid = upload(assets.grid);
   const GpuLocalizedCube cube = upload(assets.cube);
   GpuLobes lobes = upload(assets.lobes);
-  place(lobes, std::vector<BallLight>{{{V3f(3, 5, 2), 0.5F}, Rgb(20, 20, 20)}}, assets.spheres.spheres);
+  place(lobes, std::vector<RuntimeSphereLight>{{{V3f(3, 5, 2), 0.5F}, Rgb(20, 20, 20)}}, assets.spheres.spheres);
   const auto grid_read = [&](Interpolation interpolation, Guard guard) {
     GridReadParams params;
     params.lookup.interpolation = interpolation;

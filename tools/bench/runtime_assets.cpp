@@ -50,19 +50,18 @@ RuntimeBenchAssets make_runtime_bench_assets(const Scene& object, const Environm
   instance.mesh = int(stage.meshes.size()) - 1;
   stage.instances.push_back(instance);
   stage.environment = environment;
-  const Intersector intersector(stage);
-  const Lights lights(stage, intersector);
+  const LitScene lit = make_lit_scene(std::move(stage));
   GridBakeParams grid;
   grid.resolution = V3i(grid_side, grid_side, grid_side);
   grid.photons = 1'000'000;
-  out.grid = resolve(bake_grid_sums(intersector, lights, grid));
+  out.grid = resolve(bake_grid_sums(lit, grid));
 
   CaptureParams capture;
   capture.size = 64;
   capture.samples = 1;
   const Box3f box = bounds(object);
   const V3f above(box.center().x, box.max.y + 1, box.center().z);
-  out.cube = localize(capture_cube(intersector, lights, above, capture).cube, 4);
+  out.cube = localize(capture_cube(lit, above, capture).cube, 4);
   out.lobes = make_lobe_table();
   out.spheres = fit_spheres(object, SphereFitParams{}).set;
   return out;

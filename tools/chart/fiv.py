@@ -174,7 +174,7 @@ def draw(records, figures):
             lines += [(f"tables, {name}", xs, [r["picture_s"] for r in tabled], None),
                       (f"path tracing to the same error, {name}", xs, same, None)]
         figures.sweep("fiv_occluders", f"FIV tables of {max(common).replace(',', '×')} samples: time of a picture by the number of occluders", "",
-                      [("", "occluders", "s", True, True, lines)])
+                      [("", "occluders", "time of a picture, s", True, True, lines)])
 
 
 def page_tables(records):

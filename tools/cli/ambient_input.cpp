@@ -15,7 +15,7 @@ std::function<Rgb(const V3f&)> load_ambient(const std::string& path, const Scene
                                             const CommonOptions& common) {
   if (path.empty()) {
     constexpr int size = 64;
-    const EnvironmentImage image{EnvironmentLayout::latlong, *input.scene.environment};
+    const EnvironmentImage image{EnvironmentLayout::latlong, *input.lit.scene->environment};
     auto map = std::make_shared<DifMap>();
     map->e = bake_irradiance(make_irradiance_tree(image), size).e;
     return [map](const V3f& n) { return irradiance(*map, n); };

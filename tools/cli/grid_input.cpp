@@ -30,7 +30,7 @@ IrradianceGrid load_grid(const GridInputOptions& options, const SceneInput& inpu
   if (options.guard == "planes" && grid.guard.empty())
     throw Error(options.grid, "stores no guard planes", "bake it with --guard planes, or render with --guard rays");
   check_environment(options.grid, grid.metadata, input);
-  if (const auto hash = find_text(grid.metadata, "scene_hash"); hash && *hash != input.scene.content_hash) {
+  if (const auto hash = find_text(grid.metadata, "scene_hash"); hash && *hash != input.lit.scene->content_hash) {
     print_note(common, fmt::format("note: {} was baked from another scene ({})", options.grid,
                                    find_text(grid.metadata, "scene").value_or("")));
   }

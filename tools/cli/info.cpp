@@ -79,7 +79,7 @@ Json scene_json(const std::string& path, const CommonOptions& common) {
   CommonOptions silent = common;
   silent.quiet = true;
   const auto input = load_scene_input(path, {}, silent);
-  const Scene& scene = input->scene;
+  const Scene& scene = *input.lit.scene;
   std::size_t triangles = 0;
   std::size_t placed = 0;
   for (const Mesh& mesh : scene.meshes) triangles += mesh.triangles.size();
@@ -112,8 +112,8 @@ Json scene_json(const std::string& path, const CommonOptions& common) {
     json["bounds_min_m"] = vector_json(box.min);
     json["bounds_max_m"] = vector_json(box.max);
   }
-  json["power_lm"] = vector_json(input->lights->total_power_lm());
-  json["warnings"] = input->warnings;
+  json["power_lm"] = vector_json(input.lit.lights.total_power_lm());
+  json["warnings"] = input.warnings;
   return json;
 }
 

@@ -82,6 +82,7 @@ std::optional<std::uint64_t> count_from(std::string_view text) {
 }  // namespace
 
 std::optional<double> parse_number(std::string_view text) { return number_from<double>(text); }
+std::optional<float> parse_float(std::string_view text) { return number_from<float>(text); }
 
 std::uint64_t parse_count(std::string_view option, std::string_view text) {
   const auto count = count_from(text);

@@ -14,6 +14,7 @@ namespace ivory {
 
 // All of `text` as a plain number; nothing for anything else. "nan" and "inf" are numbers here.
 std::optional<double> parse_number(std::string_view text);
+std::optional<float> parse_float(std::string_view text);
 
 // Parsers of option values; `option` is named in the UsageError they throw for anything else. CLI11's own would not
 // do: CLI::AsNumberWithUnit reads either 1.5k or whole numbers beyond 2^53 exactly, and after a list too short for

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -68,6 +69,9 @@ class Command {
   Option add_count(const std::string& name, std::uint64_t& value, const std::string& description);
   // A count from `least` to `most`.
   Option add_count(const std::string& name, int& value, int least, int most, const std::string& description);
+  Option add_count(const std::string& name, int& value, int least, const std::string& description) {
+    return add_count(name, value, least, std::numeric_limits<int>::max(), description);
+  }
   Option add_image_size(const std::string& name, Imath::V2i& value, const std::string& description);
 
   Option get_option(const std::string& name) const;  // that was added before

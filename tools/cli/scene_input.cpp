@@ -27,24 +27,20 @@ void check_environment(const std::string& path, const Metadata& metadata, const 
   throw Error(path, "was baked for an environment (" + known + ")", "give that by --env, or bake it without");
 }
 
-std::unique_ptr<SceneInput> load_scene_input(const std::string& path, const EnvironmentChoice& environment,
-                                             const CommonOptions& common, const std::function<void(Scene&)>& extend) {
-  auto input = std::make_unique<SceneInput>();
+SceneInput load_scene_input(const std::string& path, const EnvironmentChoice& environment, const CommonOptions& common,
+                            const std::function<void(Scene&)>& extend) {
   LoadedScene loaded = load_gltf(path);
-  input->scene = std::move(loaded.scene);
-  input->warnings = std::move(loaded.warnings);
-  input->origin["scene"] = std::filesystem::path(path).filename().string();
-  input->origin["scene_hash"] = input->scene.content_hash;
+  Metadata origin;
+  origin["scene"] = std::filesystem::path(path).filename().string();
+  origin["scene_hash"] = loaded.scene.content_hash;
   if (!environment.path.empty()) {
     EnvironmentInput map = load_environment_input(environment);
-    input->scene.environment = to_latlong(std::move(map.image));
-    input->origin.merge(map.origin);
+    loaded.scene.environment = to_latlong(std::move(map.image));
+    origin.merge(map.origin);
   }
-  if (extend) extend(input->scene);
-  for (const std::string& warning : input->warnings) print_note(common, "warning: " + warning);
-  input->intersector = std::make_unique<Intersector>(input->scene);
-  input->lights = std::make_unique<Lights>(input->scene, *input->intersector);
-  return input;
+  if (extend) extend(loaded.scene);
+  for (const std::string& warning : loaded.warnings) print_note(common, "warning: " + warning);
+  return {make_lit_scene(std::move(loaded.scene)), std::move(loaded.warnings), std::move(origin)};
 }
 
 SphereLight parse_sphere_light(std::string_view option, std::string_view text) {

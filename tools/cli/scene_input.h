@@ -3,7 +3,6 @@
 #pragma once
 
 #include <functional>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,18 +10,13 @@
 #include "grid/base/metadata.h"
 #include "tools/cli/common.h"
 #include "tools/cli/environment_input.h"
-#include "tracer/core/intersector.h"
-#include "tracer/core/scene.h"
-#include "tracer/lights/lights.h"
+#include "tracer/core/lit_scene.h"
 
 namespace ivory {
 
-// Holds addresses of its own members: neither copied nor moved, which is why it comes in a pointer.
 struct SceneInput {
-  Scene scene;
+  LitScene lit;
   std::vector<std::string> warnings;
-  std::unique_ptr<Intersector> intersector;
-  std::unique_ptr<Lights> lights;
   Metadata origin;  // scene, scene_hash, environment, environment_hash ...: names without folders, hashes of contents
 };
 
@@ -36,9 +30,8 @@ void check_environment(const std::string& path, const Metadata& metadata, const 
 // Loads `path` and, unless its path is empty, the environment map, resampled to lat-long where it has another
 // layout; prints the loader's warnings as notes. `extend`, unless empty, may add to the scene before the rest is
 // built from it. Throws Error as load_gltf() and load_environment() do.
-std::unique_ptr<SceneInput> load_scene_input(const std::string& path, const EnvironmentChoice& environment,
-                                             const CommonOptions& common,
-                                             const std::function<void(Scene&)>& extend = {});
+SceneInput load_scene_input(const std::string& path, const EnvironmentChoice& environment, const CommonOptions& common,
+                            const std::function<void(Scene&)>& extend = {});
 
 // "X,Y,Z,RADIUS,R,G,B": place and radius in metres, radiance in nits. Throws UsageError naming `option`.
 SphereLight parse_sphere_light(std::string_view option, std::string_view text);

@@ -7,6 +7,7 @@
 #include "grid/base/error.h"
 #include "grid/env/irradiance_sum.h"
 #include "grid/io/difmap.h"
+#include "grid/io/environment.h"
 #include "grid/io/sh9.h"
 #include "tools/cli/file_kind.h"
 #include "tools/probe/source.h"

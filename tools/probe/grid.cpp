@@ -54,14 +54,14 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
   if (request.indirect_only && grid.light != StoredLight::indirect)
     throw Error(request.source, "was baked with --direct and cannot be read without", "bake it again without --direct");
 
-  std::unique_ptr<SceneInput> scene;
+  std::optional<SceneInput> scene;
   if (!options.scene.empty()) {
     scene = load_scene_input(options.scene, {}, common);
     const auto baked = find_text(grid.metadata, "scene_hash");
-    if (baked && *baked != scene->scene.content_hash)
+    if (baked && *baked != scene->lit.scene->content_hash)
       print_note(common, "warning: " + options.scene + " has changed since " + request.source + " was baked");
   }
-  const Intersector* intersector = scene ? scene->intersector.get() : nullptr;
+  const Intersector* intersector = scene ? &scene->lit.intersector : nullptr;
 
   ProbeEstimates out;
   out.e.resize(table.p.size());

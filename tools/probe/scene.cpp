@@ -12,7 +12,7 @@ namespace {
 
 struct SceneOptions {
   EnvironmentChoice environment;
-  std::uint64_t samples = 1024;
+  int samples = 1024;
   std::uint64_t seed = 1;
   int bounces = ProbeParams{}.max_bounces;
 };
@@ -24,18 +24,18 @@ ProbeEstimates probe_path_traced(const SceneOptions& options, const ProbeRequest
   std::vector<ProbePoint> points;
   for (std::size_t i = 0; i < table.p.size(); ++i) points.push_back({table.p[i], table.n[i]});
   ProbeParams params;
-  params.samples = static_cast<int>(options.samples);
+  params.samples = options.samples;
   params.max_bounces = options.bounces;
   params.seed = options.seed;
   params.threads = thread_count(common);
   params.indirect_only = request.indirect_only;
   Progress progress(common, "probing", "paths");
-  const std::uint64_t paths = points.size() * options.samples;
+  const std::uint64_t paths = points.size() * std::uint64_t(options.samples);
   params.progress = [&](double fraction) {
     progress.update(static_cast<std::uint64_t>(fraction * static_cast<double>(paths)), paths);
   };
   ProbeEstimates out;
-  for (const ProbeResult& result : probe_scene(input->scene, *input->intersector, *input->lights, points, params)) {
+  for (const ProbeResult& result : probe_scene(input.lit, points, params)) {
     out.e.push_back(result.e);
     out.standard_error.push_back(result.standard_error);
   }
@@ -51,18 +51,7 @@ ProbeSource make_scene_source(Command command) {
   auto options = std::make_shared<SceneOptions>();
   const std::string scenes = "For scenes";
   add_environment_options(command, options->environment, scenes);
-  command
-      .add_option(
-          "--samples",
-          [options](const std::string& text) {
-            options->samples = parse_count("--samples", text);
-            if (options->samples < 2 || options->samples > 2'000'000'000)
-              throw UsageError("--samples must lie between 2 and 2g");
-          },
-          "Paths a point; k, m, g are allowed")
-      .default_str("1024")
-      .type_name("COUNT")
-      .group(scenes);
+  command.add_count("--samples", options->samples, 2, 2'000'000'000, "Paths a point").group(scenes);
   command.add_count("--seed", options->seed, "Seed of the random numbers").group(scenes);
   command.add_count("--bounces", options->bounces, 1, 1'000'000, "Surfaces a path may scatter at").group(scenes);
   ProbeSource source;

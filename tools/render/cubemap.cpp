@@ -25,7 +25,7 @@ Film render_cubemap(const CubemapOptions& options, const RenderRequest& request)
   const CommonOptions& common = request.common;
   const LocalizedCube cube = read_localized_cube(options.path);
   check_environment(options.path, cube.metadata, request.input);
-  if (const auto baked = find_text(cube.metadata, "scene_hash"); baked && *baked != request.input.scene.content_hash)
+  if (const auto baked = find_text(cube.metadata, "scene_hash"); baked && *baked != request.input.lit.scene->content_hash)
     print_note(common, fmt::format("note: {} was baked from another scene", options.path));
   ObjectLightParams params;
   params.is_object = request.is_object;
@@ -36,8 +36,8 @@ Film render_cubemap(const CubemapOptions& options, const RenderRequest& request)
     light = grid_light(*options.grid, *grid);
     params.grid = &light;
   }
-  return render_with_cube(*request.input.intersector, *request.input.lights,
-                          {&cube, from_name<CubeMethod>(options.lookup)}, request.view, request.params, params);
+  return render_with_cube(request.input.lit, {&cube, from_name<CubeMethod>(options.lookup)}, request.view,
+                          request.params, params);
 }
 
 }  // namespace

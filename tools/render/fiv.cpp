@@ -59,7 +59,7 @@ std::map<int, std::string> tables_of_nodes(const FivOptions& options, const Scen
 
 Film render(const FivOptions& options, const RenderRequest& request) {
   const SceneInput& input = request.input;
-  const Scene& scene = input.scene;
+  const Scene& scene = *input.lit.scene;
   const std::map<int, std::string> table_of_node = tables_of_nodes(options, scene);
   struct OneTable {
     FivTable table;
@@ -96,7 +96,7 @@ Film render(const FivOptions& options, const RenderRequest& request) {
   FivLightParams params;
   params.straddling = from_name<Straddling>(options.straddling);
   params.overlap = from_name<FivOverlap>(options.overlap);
-  return render_fiv(fiv, *input.intersector, *input.lights, request.view, request.params, params);
+  return render_fiv(fiv, input.lit, request.view, request.params, params);
 }
 
 }  // namespace

@@ -14,18 +14,17 @@ namespace {
 
 struct GatherOptions {
   std::shared_ptr<GridInputOptions> grid;
-  std::shared_ptr<std::uint64_t> gather;
+  std::shared_ptr<int> gather;
 };
 
 Film render_grid(const GatherOptions& options, bool gather, const RenderRequest& request) {
   const IrradianceGrid grid = load_grid(*options.grid, request.input, request.common);
   GatherParams params;
-  params.gather_rays = gather ? int_count("--gather", *options.gather, 1) : 0;
+  params.gather_rays = gather ? *options.gather : 0;
   params.indirect_only = request.indirect_only;
-  const Intersector& intersector = *request.input.intersector;
+  const LitScene& lit = request.input.lit;
   const GridLight light = grid_light(*options.grid, grid);
-  return render_gather(intersector, *request.input.lights, indirect_light(intersector, light), request.view,
-                       request.params, params);
+  return render_gather(lit, indirect_light(lit, light), request.view, request.params, params);
 }
 
 RenderMethod make_method(const std::shared_ptr<GatherOptions>& options, bool gather) {
@@ -38,7 +37,7 @@ RenderMethod make_method(const std::shared_ptr<GatherOptions>& options, bool gat
     if (options->grid->grid.empty())
       throw UsageError(
           fmt::format("--method {} needs --grid GRID.vdb (see ivory bake grid)", gather ? "gather" : "direct"));
-    if (gather) int_count("--gather", *options->gather, 1);
+    if (gather && *options->gather < 1) throw UsageError("--gather: --method gather needs a ray at least");
   };
   method.render = [options, gather](const RenderRequest& request) { return render_grid(*options, gather, request); };
   method.describe = [options, gather](Metadata& m) {
@@ -50,14 +49,14 @@ RenderMethod make_method(const std::shared_ptr<GatherOptions>& options, bool gat
 
 }  // namespace
 
-std::shared_ptr<std::uint64_t> add_gather_option(Command command) {
-  auto gather = std::make_shared<std::uint64_t>(16);
-  command.add_count("--gather", *gather, "Rays a sample");
+std::shared_ptr<int> add_gather_option(Command command) {
+  auto gather = std::make_shared<int>(16);
+  command.add_count("--gather", *gather, 0, "Rays a sample");
   return gather;
 }
 
 std::vector<RenderMethod> make_grid_methods(const std::shared_ptr<GridInputOptions>& grid,
-                                            const std::shared_ptr<std::uint64_t>& gather) {
+                                            const std::shared_ptr<int>& gather) {
   auto options = std::make_shared<GatherOptions>();
   options->grid = grid;
   options->gather = gather;

@@ -19,7 +19,6 @@ struct LobeOptions {
   std::vector<std::string> sphere_sets;
   std::string shadows = "lobes";
   std::string mask = "center";
-  std::uint64_t shadow_rays = 64;
   LobeParams params;
 };
 
@@ -36,14 +35,13 @@ std::vector<Sphere> load_placed(const std::string& text) {
 
 LobeParams params_of(const LobeOptions& options) {
   LobeParams params = options.params;
-  params.shadow_rays = int_count("--shadow-rays", options.shadow_rays, 1);
   params.shadows = from_name<LobeShadows>(options.shadows);
   params.mask_rule = from_name<MaskRule>(options.mask);
   return params;
 }
 
 Film render(const LobeOptions& options, const RenderRequest& request) {
-  const Scene& scene = request.input.scene;
+  const Scene& scene = *request.input.lit.scene;
   if (scene.sphere_lights.empty())
     throw Error(scene.name, "has no spherical light, the only kind that --method lobes lights by",
                 "give --sphere-light X,Y,Z,RADIUS,R,G,B, or extras.ivory_sphere_light in the scene");
@@ -60,7 +58,7 @@ Film render(const LobeOptions& options, const RenderRequest& request) {
   if (!scene.lights.empty() || scene.environment)
     print_note(request.common,
                "note: --method lobes leaves out point, spot and directional lights and the environment");
-  return render_lobes(lobes, *request.input.intersector, request.view, request.params, params_of(options));
+  return render_lobes(lobes, request.input.lit, request.view, request.params, params_of(options));
 }
 
 }  // namespace
@@ -77,7 +75,7 @@ RenderMethod make_lobes_method(Command command) {
       .add_option("--shadows", options->shadows,
                   "lobes: masks of sphere sets; spheres, mesh: Monte Carlo on the sets or on the triangles; none")
       .one_of({"lobes", "spheres", "mesh", "none"});
-  command.add_count("--shadow-rays", options->shadow_rays,
+  command.add_count("--shadow-rays", options->params.shadow_rays, 1,
                     "Rays a light and sample, stratified (with --shadows spheres or mesh)");
   command.add_option("--mask-depth", options->params.mask_depth, "Depth of the visibility mask's quad-tree")
       .within(0, max_mask_depth);
@@ -100,7 +98,6 @@ RenderMethod make_lobes_method(Command command) {
                     "--mask-depth", "--mask",    "--threshold", "--split"};
   method.direct_only = true;
   method.check = [options] {
-    params_of(*options);
     if (options->shadows != "mesh" && options->shadows != "none") {
       for (const std::string& text : options->sphere_sets) load_placed(text);
     }
@@ -113,7 +110,7 @@ RenderMethod make_lobes_method(Command command) {
     m["threshold"] = double(options->params.threshold);
     m["split"] = std::int64_t(options->params.max_split_level);
     if (options->shadows == "spheres" || options->shadows == "mesh")
-      m["shadow_rays"] = std::int64_t(options->shadow_rays);
+      m["shadow_rays"] = std::int64_t(options->params.shadow_rays);
   };
   return method;
 }

@@ -41,15 +41,12 @@ struct RenderMethod {
 // Each adds its options to the command; what the returned functions share lives as long as they do.
 RenderMethod make_path_method(Command command);
 // --gather, the rays a sample: of the grid's `gather` and of the photon map.
-std::shared_ptr<std::uint64_t> add_gather_option(Command command);
+std::shared_ptr<int> add_gather_option(Command command);
 std::vector<RenderMethod> make_grid_methods(const std::shared_ptr<GridInputOptions>& grid,
-                                            const std::shared_ptr<std::uint64_t>& gather);  // direct, gather
-RenderMethod make_photonmap_method(Command command, const std::shared_ptr<std::uint64_t>& gather);
+                                            const std::shared_ptr<int>& gather);  // direct, gather
+RenderMethod make_photonmap_method(Command command, const std::shared_ptr<int>& gather);
 RenderMethod make_cubemap_method(Command command, const std::shared_ptr<GridInputOptions>& grid);
 RenderMethod make_lobes_method(Command command);
 RenderMethod make_fiv_method(Command command);
-
-// A count of a command line as an int; throws UsageError where it is less than `least` or too large.
-int int_count(const char* option, std::uint64_t count, std::uint64_t least);
 
 }  // namespace ivory

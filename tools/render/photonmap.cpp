@@ -15,27 +15,27 @@ namespace {
 
 struct PhotonMapOptions {
   std::uint64_t photons = PhotonMapParams{}.photons;
-  std::uint64_t neighbours = std::uint64_t(PhotonMapParams{}.neighbours);
-  std::shared_ptr<std::uint64_t> gather;
+  int neighbours = PhotonMapParams{}.neighbours;
+  std::shared_ptr<int> gather;
   std::optional<Option> gather_option;
   // What was made of them, for describe().
   std::size_t stored = 0;
   std::size_t bytes = 0;
 
   // Read at the visible surface unless rays are asked for.
-  int gather_rays() const { return gather_option->given() ? int_count("--gather", *gather, 0) : 0; }
+  int gather_rays() const { return gather_option->given() ? *gather : 0; }
 };
 
 Film render(PhotonMapOptions& options, const RenderRequest& request) {
   PhotonMapParams params;
   params.photons = options.photons;
-  params.neighbours = int_count("--neighbours", options.neighbours, 2);
+  params.neighbours = options.neighbours;
   params.seed = request.params.seed;
   params.threads = request.params.threads;
   const PhotonMap map = [&] {
     Progress progress(request.common, "mapping", "photons");
     params.progress = progress.callback();
-    return PhotonMap(*request.input.intersector, *request.input.lights, params);
+    return PhotonMap(request.input.lit, params);
   }();
   options.stored = map.photons_stored();
   options.bytes = map.bytes();
@@ -44,25 +44,23 @@ Film render(PhotonMapOptions& options, const RenderRequest& request) {
   gather.indirect_only = request.indirect_only;
   // On the surface's geometric side: estimates stand for surfaces, not for shading normals.
   const IndirectLight light = [&map](const Surface& surface) { return map.irradiance(surface.p, surface.ng); };
-  return render_gather(*request.input.intersector, *request.input.lights, light, request.view, request.params, gather);
+  return render_gather(request.input.lit, light, request.view, request.params, gather);
 }
 
 }  // namespace
 
-RenderMethod make_photonmap_method(Command command, const std::shared_ptr<std::uint64_t>& gather) {
+RenderMethod make_photonmap_method(Command command, const std::shared_ptr<int>& gather) {
   auto options = std::make_shared<PhotonMapOptions>();
   options->gather = gather;
   options->gather_option = command.get_option("--gather");
   command.add_count("--photons", options->photons, "Photons sent out from the lights");
-  command.add_count("--neighbours", options->neighbours, "Photons that an estimate of their density counts");
+  command.add_count("--neighbours", options->neighbours, 2, "Photons that an estimate of their density counts");
   RenderMethod method;
   method.name = "photonmap";
   method.summary = "photon map with precomputed irradiance, to compare with; read directly, or behind --gather rays";
   method.options = {"--photons", "--neighbours", "--gather"};
   method.check = [options] {
     if (options->photons == 0) throw UsageError("--photons must be at least 1");
-    int_count("--neighbours", options->neighbours, 2);
-    options->gather_rays();
   };
   method.render = [options](const RenderRequest& request) { return render(*options, request); };
   method.describe = [options](Metadata& m) {

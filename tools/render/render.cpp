@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
-#include <limits>
 #include <map>
 #include <memory>
 #include <optional>
@@ -36,7 +35,7 @@ struct RenderOptions {
   std::string camera;
   std::vector<SphereLight> sphere_lights;
   std::vector<std::string> sphere_light_texts;
-  std::uint64_t samples = 64;
+  int samples = 64;
   std::uint64_t seed = 1;
   Imath::V2i size{640, 480};
   std::vector<std::string> objects;
@@ -44,25 +43,26 @@ struct RenderOptions {
   bool indirect_only = false;
 };
 
-View choose_view(const RenderOptions& options, const Scene& scene, const Intersector& intersector) {
+View choose_view(const RenderOptions& options, const LitScene& lit) {
   const int width = options.size.x;
   const int height = options.size.y;
-  if (!options.camera.empty()) return make_view(options.scene, find_camera(scene, options.camera), width, height);
-  if (!scene.cameras.empty()) return make_view(options.scene, scene.cameras.front(), width, height);
-  const Camera framing = framing_camera(intersector.center(), intersector.radius_m(), float(width) / float(height));
+  if (!options.camera.empty()) return make_view(options.scene, find_camera(*lit.scene, options.camera), width, height);
+  if (!lit.scene->cameras.empty()) return make_view(options.scene, lit.scene->cameras.front(), width, height);
+  const float aspect = float(width) / float(height);
+  const Camera framing = framing_camera(lit.intersector.center(), lit.intersector.radius_m(), aspect);
   return make_view(options.scene, framing, width, height);
 }
 
 Film render(const RenderOptions& options, const RenderMethod& method, const SceneInput& input,
             const std::vector<bool>& is_object, const CommonOptions& common) {
-  const View view = choose_view(options, input.scene, *input.intersector);
-  if (input.lights->empty()) print_note(common, fmt::format("warning: nothing in {} emits light", options.scene));
+  const View view = choose_view(options, input.lit);
+  if (input.lit.lights.empty()) print_note(common, fmt::format("warning: nothing in {} emits light", options.scene));
   RenderParams params;
-  params.samples = int_count("--samples", options.samples, 1);
+  params.samples = options.samples;
   params.seed = options.seed;
   params.threads = thread_count(common);
   Progress progress(common, "rendering", "samples");
-  const std::uint64_t total = options.samples * std::uint64_t(view.width) * std::uint64_t(view.height);
+  const std::uint64_t total = std::uint64_t(options.samples) * std::uint64_t(view.width) * std::uint64_t(view.height);
   params.progress = [&](double fraction) { progress.update(std::uint64_t(fraction * double(total)), total); };
   return method.render({input, view, params, is_object, options.indirect_only, common});
 }
@@ -116,7 +116,6 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
     throw UsageError("--method " + options.method + " lights by an environment: give --env");
   if (method.direct_only && options.indirect_only)
     throw UsageError("--method " + options.method + " renders direct light: --indirect-only leaves nothing");
-  int_count("--samples", options.samples, 1);
   if (method.check) method.check();
   std::set<std::filesystem::path> files;
   for (const std::string& output : options.outputs) {
@@ -134,10 +133,10 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
   });
 
   const auto start = std::chrono::steady_clock::now();
-  const Film film = render(options, method, *input, is_object, common);
+  const Film film = render(options, method, input, is_object, common);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-  const Metadata metadata = describe(options, method, *input);
+  const Metadata metadata = describe(options, method, input);
   const bool any_display = !std::all_of(options.outputs.begin(), options.outputs.end(), is_linear_image);
   const float exposure = options.exposure_stops.value_or(any_display ? auto_exposure(film) : 0);
   for (const std::string& output : options.outputs) {
@@ -160,7 +159,7 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
   result["mean_radiance_nits"] = {mean[0], mean[1], mean[2]};
   result["seconds"] = seconds;
   result["render_seconds"] = film.render_seconds;
-  result["warnings"] = input->warnings;
+  result["warnings"] = input.warnings;
   std::string human = fmt::format("{}: {} x {}, {}, {} samples a pixel, mean {:.4g} {:.4g} {:.4g} nits, {:.2f} s\n",
                                   fmt::join(options.outputs, ", "), film.width, film.height, options.method,
                                   options.samples, mean[0], mean[1], mean[2], seconds);
@@ -169,12 +168,6 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
 }
 
 }  // namespace
-
-int int_count(const char* option, std::uint64_t count, std::uint64_t least) {
-  if (count < least || count > std::uint64_t(std::numeric_limits<int>::max()))
-    throw UsageError(fmt::format("{}: {} is not from {} to {}", option, count, least, std::numeric_limits<int>::max()));
-  return int(count);
-}
 
 void add_render_command(Command app, CommonOptions& common) {
   Command command = app.add_subcommand("render", "Render a picture by path tracing or from baked assets");
@@ -187,7 +180,7 @@ void add_render_command(Command app, CommonOptions& common) {
       .required()
       .type_name("IMAGE");
   Option method_option = command.add_option("--method", options->method);
-  command.add_count("--samples", options->samples, "Samples a pixel");
+  command.add_count("--samples", options->samples, 1, "Samples a pixel");
   command.add_count("--seed", options->seed, "Seed of the random numbers");
   command.add_image_size("--size", options->size, "Size of the picture in pixels");
   command

@@ -34,7 +34,7 @@ std::vector<StabilityPoint> grazing_photons(const StabilityParams& params) {
     Scene scene;
     scene.name = "grazing light";
     scene.lights.push_back(DirectionalLight{-w, Rgb(1, 1, 1)});
-    const StabilityWorld world(std::move(scene));
+    const LitScene world = make_lit_scene(std::move(scene));
     const std::array<double, 12> truth = directional_moments(w);
     double face_variance = 0;
     double mean_cosine = 0;

@@ -10,14 +10,13 @@ namespace ivory {
 namespace {
 
 // E in lux by paths that find light as `strategy` says.
-std::vector<double> irradiance_by_paths(const StabilityWorld& world, const std::vector<ProbePoint>& points, int samples,
+std::vector<double> irradiance_by_paths(const LitScene& world, const std::vector<ProbePoint>& points, int samples,
                                         DirectStrategy strategy = DirectStrategy::mis) {
   ProbeParams params;
   params.samples = samples;
   params.strategy = strategy;
   std::vector<double> e;
-  for (const ProbeResult& r : probe_scene(*world.scene, *world.intersector, *world.lights, points, params))
-    e.push_back(double(r.e.x));
+  for (const ProbeResult& r : probe_scene(world, points, params)) e.push_back(double(r.e.x));
   return e;
 }
 
@@ -64,12 +63,12 @@ std::vector<StabilityPoint> tiny_emitters(const StabilityParams& params) {
     const double indirect = pi_d / surface_area_m2(sphere);
     const std::vector<ProbePoint> probes = sphere_points(sphere, axis, 0.3F, 24);
     add_mesh(scene, sphere);
-    const StabilityWorld world(std::move(scene));
+    const LitScene world = make_lit_scene(std::move(scene));
 
     GridBakeParams bake;
     bake.resolution = V3i(8, 8, 8);
     bake.photons = params.quick ? 60'000 : 300'000;
-    const IrradianceGrid grid = resolve(bake_grid_sums(*world.intersector, *world.lights, bake));
+    const IrradianceGrid grid = resolve(bake_grid_sums(world, bake));
     const std::vector<double> by_paths = irradiance_by_paths(world, probes, samples);
     const std::vector<double> by_chance = irradiance_by_paths(world, probes, samples, DirectStrategy::bsdf);
     double path = 0;
@@ -81,7 +80,7 @@ std::vector<StabilityPoint> tiny_emitters(const StabilityParams& params) {
       const double e = direct + indirect;
       path += std::pow(by_paths[i] / e - 1, 2);
       chance += std::pow(by_chance[i] / e - 1, 2);
-      const Rgb read = lookup_irradiance(grid, world.intersector.get(), Guard::rays, at.p, at.n, at.n, {});
+      const Rgb read = lookup_irradiance(grid, &world.intersector, Guard::rays, at.p, at.n, at.n, {});
       by_grid += std::pow(double(read.x) / indirect - 1, 2);
     }
     const auto n = double(probes.size());
@@ -112,14 +111,14 @@ std::vector<StabilityPoint> caustics(const StabilityParams& params) {
     add_mesh(scene, make_quad({-1, -1, -1}, {0, 0, 2}, {2, 0, 0}, black));
     add_mesh(scene, make_quad({-w / 2, w / 2, -0.5F}, {w, -w, 0}, {0, 0, 1}, black + 1));
     scene.lights.push_back(DirectionalLight{V3f(1, 0, 0), Rgb(1, 1, 1)});
-    const StabilityWorld world(std::move(scene));
+    const LitScene world = make_lit_scene(std::move(scene));
     GridBakeParams bake;
     bake.voxel_size_m = float(voxel);
     bake.photons = params.quick ? 400'000 : 1'000'000;
-    const IrradianceGrid grid = resolve(bake_grid_sums(*world.intersector, *world.lights, bake));
+    const IrradianceGrid grid = resolve(bake_grid_sums(world, bake));
     const auto read = [&](double x, double z) {
       const V3f n(0, 1, 0);
-      return double(lookup_irradiance(grid, world.intersector.get(), Guard::rays, V3f(V3d(x, -1, z)), n, n, {}).x);
+      return double(lookup_irradiance(grid, &world.intersector, Guard::rays, V3f(V3d(x, -1, z)), n, n, {}).x);
     };
     double middle = 0;
     std::vector<ProbePoint> probes;
@@ -200,7 +199,7 @@ std::vector<StabilityPoint> nearly_closed(const StabilityParams& params) {
       truth.push_back(polygon_irradiance(corners, V3d(at.p), V3d(n)));
       mean += truth.back() / double(floor.size());
     }
-    const auto of_paths = [&](const StabilityWorld& world, int paths) {
+    const auto of_paths = [&](const LitScene& world, int paths) {
       double squares = 0;
       double sum = 0;
       const std::vector<double> e = irradiance_by_paths(world, floor, paths);
@@ -210,20 +209,20 @@ std::vector<StabilityPoint> nearly_closed(const StabilityParams& params) {
       }
       return std::array<double, 2>{std::sqrt(squares), std::abs(sum / mean - 1)};
     };
-    const auto of_grid = [&](const StabilityWorld& world, std::uint64_t count) {
+    const auto of_grid = [&](const LitScene& world, std::uint64_t count) {
       GridBakeParams bake;
       bake.resolution = V3i(12, 12, 12);
       bake.photons = count;
       const IrradianceGrid grid = bake_all_light(world, bake);
       double sum = 0;
       for (const ProbePoint& at : floor)
-        sum += double(lookup_irradiance(grid, world.intersector.get(), Guard::rays, at.p, n, n, {}).x);
+        sum += double(lookup_irradiance(grid, &world.intersector, Guard::rays, at.p, n, n, {}).x);
       return std::abs(sum / double(floor.size()) / mean - 1);
     };
     // The lowest vertices stand half a voxel of 1/6 m nearer to the hole: (2 / (2 - 1/12))^2 - 1 = 9 %.
     constexpr double nearer = 0.09;
 
-    const StabilityWorld lamp(make_hole_room(float(hole), true));
+    const LitScene lamp = make_lit_scene(make_hole_room(float(hole), true));
     // Points on the lamp are chosen evenly: over its breadth `hole` cosines and distances squared, 2 m away, vary by
     // some hole / 6 about their mean, and the mean of 256 is off by a sixteenth of that.
     points.push_back({"path, lamp in the hole", hole, of_paths(lamp, samples)[0], 0.32 * hole / std::sqrt(samples)});
@@ -231,7 +230,7 @@ std::vector<StabilityPoint> nearly_closed(const StabilityParams& params) {
     points.push_back({"grid, mean on the floor, lamp in the hole", hole, of_grid(lamp, photons),
                       4 / std::sqrt(double(photons) / 4) + nearer});
 
-    const StabilityWorld sky(make_hole_room(float(hole), false));
+    const LitScene sky = make_lit_scene(make_hole_room(float(hole), false));
     points.push_back({"path, sky", hole, of_paths(sky, samples)[0], {}});
     points.push_back({"grid, mean on the floor, sky", hole, of_grid(sky, photons), {}});
     if (hole < smallest) continue;
@@ -263,17 +262,17 @@ std::vector<StabilityPoint> albedo_to_one(const StabilityParams& params) {
     const double indirect = direct * double(rho) / (1 - double(rho));
     add_mesh(scene, sphere);
     scene.lights.push_back(PointLight{V3f(0, 0, 0), Rgb(1, 1, 1)});
-    const StabilityWorld world(std::move(scene));
+    const LitScene world = make_lit_scene(std::move(scene));
     for (const int bounces : {1000, 20'000}) {
       if (bounces > 1000 && albedo < 0.99) continue;
       GridBakeParams bake;
       bake.resolution = V3i(8, 8, 8);
       bake.photons = params.quick ? 1500 : 8000;
       bake.max_bounces = bounces;
-      const IrradianceGrid grid = resolve(bake_grid_sums(*world.intersector, *world.lights, bake));
+      const IrradianceGrid grid = resolve(bake_grid_sums(world, bake));
       double mean = 0;
       for (const ProbePoint& at : probes) {
-        const Rgb e = lookup_irradiance(grid, world.intersector.get(), Guard::rays, at.p, at.n, at.n, {});
+        const Rgb e = lookup_irradiance(grid, &world.intersector, Guard::rays, at.p, at.n, at.n, {});
         mean += double(e.x) / double(probes.size());
       }
       // Four deviations, and the flat cells along the round wall.

@@ -81,7 +81,7 @@ std::vector<StabilityPoint> float16_range(const StabilityParams&) {
   return points;
 }
 
-IrradianceGrid bake_chambers(const StabilityWorld& world, const StabilityParams& params, const Chambers& chambers) {
+IrradianceGrid bake_chambers(const LitScene& world, const StabilityParams& params, const Chambers& chambers) {
   GridBakeParams bake;
   bake.voxel_size_m = chambers.side_m / 12;
   bake.photons = params.quick ? 30'000 : 100'000;
@@ -91,7 +91,7 @@ IrradianceGrid bake_chambers(const StabilityWorld& world, const StabilityParams&
 // Errors of what reads the chambers, placed by to_world: grid and paths before the wall, and leaks behind it.
 void add_chamber_errors(const Chambers& chambers, const StabilityParams& params, double x, std::optional<double> lit,
                         std::optional<double> leak, std::vector<StabilityPoint>& points) {
-  const StabilityWorld world(make_chambers(chambers));
+  const LitScene world = make_lit_scene(make_chambers(chambers));
   const IrradianceGrid grid = bake_chambers(world, params, chambers);
   const auto bright = lit_wall_points(chambers, 10);
   const auto dark = dark_wall_points(chambers, 10);
@@ -103,7 +103,7 @@ void add_chamber_errors(const Chambers& chambers, const StabilityParams& params,
   probe.samples = params.quick ? 16 : 256;
   const auto mean = [&](const std::vector<ProbePoint>& at) {
     double sum = 0;
-    for (const ProbeResult& r : probe_scene(*world.scene, *world.intersector, *world.lights, at, probe))
+    for (const ProbeResult& r : probe_scene(world, at, probe))
       sum += double(r.e.x) / double(at.size()) / double(chamber_irradiance);
     return sum;
   };
@@ -237,21 +237,20 @@ std::vector<StabilityPoint> sloping_ground(const StabilityParams& params) {
     };
     Scene sky = ground();
     sky.environment = uniform_environment(Rgb(1, 1, 1));
-    const StabilityWorld under_sky(std::move(sky));
+    const LitScene under_sky = make_lit_scene(std::move(sky));
     std::vector<ProbePoint> probes;
     for (int i = 0; i < 64; ++i)
       probes.push_back({V3f(0.5F * std::sin(float(i) * 1.3F), 0, 0.5F * std::sin(float(i) * 2.1F)) * slope, up});
     ProbeParams probe;
     probe.samples = params.quick ? 64 : 1024;
     double e = 0;
-    for (const ProbeResult& r : probe_scene(*under_sky.scene, *under_sky.intersector, *under_sky.lights, probes, probe))
-      e += double(r.e.x) / double(probes.size());
+    for (const ProbeResult& r : probe_scene(under_sky, probes, probe)) e += double(r.e.x) / double(probes.size());
     // No path may be shadowed; 4096 of them measure E to 0.1 %.
     points.push_back({"path, E of the sky", double(half), std::abs(e / pi_d - 1), 4e-3});
 
     Scene lamp = ground();
     lamp.lights.push_back(PointLight{up, Rgb(1, 1, 1)});
-    const StabilityWorld under_lamp(std::move(lamp));
+    const LitScene under_lamp = make_lit_scene(std::move(lamp));
     GridBakeParams bake;
     GridFrame frame;
     frame.size = V3i(6, 6, 6);
@@ -260,7 +259,7 @@ std::vector<StabilityPoint> sloping_ground(const StabilityParams& params) {
     bake.frame = frame;
     bake.guard = Guard::off;
     bake.photons = params.quick ? 50'000 : 500'000;
-    const IrradianceGrid grid = resolve(bake_grid_sums(*under_lamp.intersector, *under_lamp.lights, bake));
+    const IrradianceGrid grid = resolve(bake_grid_sums(under_lamp, bake));
     double below = 0;
     double above = 0;
     for (std::size_t v = 0; v < frame.vertex_count(); ++v) {

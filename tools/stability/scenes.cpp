@@ -7,11 +7,6 @@
 
 namespace ivory {
 
-StabilityWorld::StabilityWorld(Scene&& described) : scene(std::make_unique<Scene>(std::move(described))) {
-  intersector = std::make_unique<Intersector>(*scene);
-  lights = std::make_unique<Lights>(*scene, *intersector);
-}
-
 Scene make_chambers(const Chambers& c) {
   Scene scene;
   scene.name = "two chambers";
@@ -70,17 +65,17 @@ std::vector<ProbePoint> dark_wall_points(const Chambers& c, int count) {
   return wall_points(c, count, c.wall_x_m + c.thickness_m / 2, V3f(1, 0, 0));
 }
 
-double mean_share(const StabilityWorld& world, const IrradianceGrid& grid, Guard guard,
+double mean_share(const LitScene& world, const IrradianceGrid& grid, Guard guard,
                   const std::vector<ProbePoint>& points) {
   double sum = 0;
   for (const ProbePoint& at : points)
-    sum += double(lookup_irradiance(grid, world.intersector.get(), guard, at.p, at.n, at.n, {}).x);
+    sum += double(lookup_irradiance(grid, &world.intersector, guard, at.p, at.n, at.n, {}).x);
   return sum / double(points.size()) / double(chamber_irradiance);
 }
 
-IrradianceGrid bake_all_light(const StabilityWorld& world, GridBakeParams params) {
+IrradianceGrid bake_all_light(const LitScene& world, GridBakeParams params) {
   params.include_direct = true;
-  return resolve(bake_grid_sums(*world.intersector, *world.lights, params));
+  return resolve(bake_grid_sums(world, params));
 }
 
 double surface_area_m2(const Mesh& mesh) {

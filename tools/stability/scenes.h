@@ -1,7 +1,6 @@
 // Scenes with closed forms, for the stability suite.
 #pragma once
 
-#include <memory>
 #include <numbers>
 #include <vector>
 
@@ -13,15 +12,6 @@
 namespace ivory {
 
 inline constexpr double pi_d = std::numbers::pi;
-
-// A scene with its acceleration structure and lights.
-struct StabilityWorld {
-  std::unique_ptr<Scene> scene;
-  std::unique_ptr<Intersector> intersector;
-  std::unique_ptr<Lights> lights;
-
-  explicit StabilityWorld(Scene&& described);
-};
 
 // Two closed boxes beside each other, side_m high and deep and half as wide each, parted by a wall. All faces of the
 // left one emit 1 nit and reflect half of what they receive: a furnace, L = 2 and E = 2 pi at every point of its
@@ -44,11 +34,11 @@ std::vector<ProbePoint> lit_wall_points(const Chambers& chambers, int count);
 std::vector<ProbePoint> dark_wall_points(const Chambers& chambers, int count);
 
 // Mean E over points over chamber_irradiance, as read from the grid with that guard.
-double mean_share(const StabilityWorld& world, const IrradianceGrid& grid, Guard guard,
+double mean_share(const LitScene& world, const IrradianceGrid& grid, Guard guard,
                   const std::vector<ProbePoint>& points);
 
 // Photons that hold all light (direct light included), so that closed forms apply; guard `rays` stores the planes too.
-IrradianceGrid bake_all_light(const StabilityWorld& world, GridBakeParams params);
+IrradianceGrid bake_all_light(const LitScene& world, GridBakeParams params);
 
 double surface_area_m2(const Mesh& mesh);
 

@@ -31,7 +31,7 @@ GridBakeParams bake_params(const StabilityParams& params, Guard guard) {
 // reads less than it should. `of` ends the names of the series.
 void add_leaks(Scene&& scene, const Chambers& chambers, const StabilityParams& params, double x, const std::string& of,
                std::vector<StabilityPoint>& points) {
-  const StabilityWorld world(std::move(scene));
+  const LitScene world = make_lit_scene(std::move(scene));
   const auto lit = lit_wall_points(chambers, lattice);
   const auto dark = dark_wall_points(chambers, lattice);
   const IrradianceGrid guarded = bake_all_light(world, bake_params(params, Guard::rays));
@@ -82,7 +82,7 @@ std::vector<StabilityPoint> vertex_on_wall(const StabilityParams& params) {
     // Vertices stand at odd multiples of half a voxel, all of these exact in binary.
     constexpr float vertex = spacing / 2;
     chambers.wall_x_m = vertex + offset * spacing + chambers.thickness_m / 2;
-    const StabilityWorld world(make_chambers(chambers));
+    const LitScene world = make_lit_scene(make_chambers(chambers));
     GridBakeParams bake = bake_params(params, Guard::rays);
     bake.voxel_size_m = std::nullopt;
     bake.resolution = V3i(16, 16, 16);

@@ -1,4 +1,5 @@
-// ivory view --headless: frames without a window or a display.
+#include "tools/view/headless.h"
+
 #include <chrono>
 #include <cstdlib>
 #include <optional>
@@ -7,9 +8,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "tools/view/draw/gl_context.h"
+#include "runtime/gl/headless_context.h"
 #include "tools/view/draw/legend.h"
-#include "tools/view/view.h"
 #include "tracer/image/compare.h"
 #include "tracer/image/file.h"
 

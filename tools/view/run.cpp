@@ -1,3 +1,5 @@
+#include "tools/view/run.h"
+
 #include <cmath>
 #include <filesystem>
 #include <regex>
@@ -7,7 +9,7 @@
 
 #include "grid/base/error.h"
 #include "tools/view/draw/debug.h"
-#include "tools/view/view.h"
+#include "tools/view/session/light.h"
 #include "tracer/image/file.h"
 
 namespace ivory {
@@ -50,10 +52,11 @@ void choose_methods(ViewSession& session, const ViewRun& run) {
 
 // Without a value of the user's a constant source is as bright as what it stands for.
 Rgb default_constant(const ViewSession& session) {
-  const ViewAsset* grid = find_asset(session.assets, FileKind::grid);
-  if (grid != nullptr) return grid->mean_e_lux;
-  const ViewAsset* difmap = find_asset(session.assets, FileKind::difmap);
-  return difmap != nullptr ? difmap->mean_e_lux : Rgb(1, 1, 1);
+  if (const ViewAsset* grid = find_asset(session.assets, FileKind::grid); grid != nullptr)
+    return std::get<GridAsset>(grid->data).mean_e_lux;
+  if (const ViewAsset* difmap = find_asset(session.assets, FileKind::difmap); difmap != nullptr)
+    return std::get<DifMapAsset>(difmap->data).mean_e_lux;
+  return {1, 1, 1};
 }
 
 Json vector_json(const V3f& v) { return {shortest(v.x), shortest(v.y), shortest(v.z)}; }
@@ -103,7 +106,7 @@ void write_picture(const std::string& path, const ViewSession& session, const Vi
   Metadata metadata;
   metadata["version"] = std::string(IVORY_VERSION);
   metadata["scene"] = session.world.objects.front().name;
-  metadata["method"] = std::string(name_of(session.lights.front().method));
+  metadata["method"] = std::string(name_of(session.world.objects.front().light.method));
   metadata["light"] = std::string(session.settings.direct ? "all" : "indirect");
   if (session.settings.debug != DebugView::none) metadata["debug"] = std::string(name_of(session.settings.debug));
   if (is_linear_image(path)) {
@@ -160,17 +163,16 @@ Json describe(const ViewSession& session) {
                     {"forward", vector_json(forward(world.camera))},
                     {"pivot_m", vector_json(pivot(world.camera))}};
   json["objects"] = Json::array();
-  for (std::size_t i = 0; i < world.objects.size(); ++i) {
-    const ViewObject& object = world.objects[i];
+  for (const ViewObject& object : world.objects) {
     Json entry{{"name", object.name},
                {"offset_m", vector_json(place(object, world.time_s))},
-               {"method", name_of(session.lights[i].method)}};
-    if (session.lights[i].asset != nullptr) entry["asset"] = session.lights[i].asset->label();
+               {"method", name_of(object.light.method)}};
+    if (object.light.asset != nullptr) entry["asset"] = object.light.asset->label();
     json["objects"].push_back(std::move(entry));
   }
   json["assets"] = Json::array();
   for (const auto& asset : session.assets)
-    json["assets"].push_back({{"file", asset->label()}, {"kind", name_of(asset->kind)}, {"bytes", asset->bytes()}});
+    json["assets"].push_back({{"file", asset->label()}, {"kind", name_of(asset->kind())}, {"bytes", asset->bytes()}});
   if (!session.environment.empty()) json["environment"] = session.environment;
   json["exposure_stops"] = shortest(session.settings.tone.exposure_stops);
   json["debug"] = name_of(session.settings.debug);

@@ -1,6 +1,4 @@
 // ivory view: the window on the runtime, and the same pictures without a window.
-#include "tools/view/view.h"
-
 #include <map>
 #include <memory>
 
@@ -8,6 +6,9 @@
 
 #include "grid/base/error.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/scene_input.h"
+#include "tools/view/headless.h"
+#include "tools/view/window/viewer.h"
 #include "tracer/image/file.h"
 
 namespace ivory {

@@ -68,7 +68,7 @@ float specular_probability(const Bsdf& bsdf, float cosine, Lobes lobes) {
   const Rgb f = fresnel(bsdf, cosine);
   const float specular = luminance(f);
   const float diffuse = luminance(bsdf.diffuse_albedo) * std::max(0.0F, 1.0F - max_component(f));
-  if (is_black(bsdf.f0) && is_black(bsdf.f90)) return 0;
+  if (is_lambertian(bsdf)) return 0;
   if (is_black(bsdf.diffuse_albedo)) return 1;
   const float share = specular / (specular + diffuse);
   // Fresnel at the half vector can be far from Fresnel at wo, so no present lobe goes unsampled.
@@ -89,7 +89,7 @@ BsdfValue evaluate(const Bsdf& bsdf, const V3f& wo, const V3f& wi, float p_specu
     e.value += bsdf.diffuse_albedo * (std::max(0.0F, 1.0F - max_component(f)) * cosine);
     e.pdf_solid_angle += (1.0F - p_specular) * cosine;
   }
-  if (lobes != Lobes::diffuse && !(is_black(bsdf.f0) && is_black(bsdf.f90))) {
+  if (lobes != Lobes::diffuse && !is_lambertian(bsdf)) {
     // f cos = F D G2 / (4 wo.z); pdf = D G1(wo) / (4 wo.z), G1 = 1/(1+L_o), G2 = 1/(1+L_o+L_i).
     const float d = ggx(bsdf.alpha, h) / (4.0F * wo.z);
     const float lambda_o = smith_lambda(bsdf.alpha, wo);
@@ -151,7 +151,7 @@ Bsdf make_bsdf(const Surface& surface) {
 }
 
 Rgb eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes) {
-  const Frame frame = make_frame(bsdf.ns);
+  const ShadingFrame frame = make_shading_frame(bsdf.ns);
   const V3f o = frame.to_local(wo);
   const V3f i = frame.to_local(wi);
   if (!above(bsdf, wo, o) || !above(bsdf, wi, i)) return Rgb(0, 0, 0);
@@ -159,7 +159,7 @@ Rgb eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes) {
 }
 
 float pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes) {
-  const Frame frame = make_frame(bsdf.ns);
+  const ShadingFrame frame = make_shading_frame(bsdf.ns);
   const V3f o = frame.to_local(wo);
   const V3f i = frame.to_local(wi);
   if (!above(bsdf, wo, o) || !above(bsdf, wi, i)) return 0;
@@ -167,7 +167,7 @@ float pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes) {
 }
 
 BsdfValue eval_with_pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
-  const Frame frame = make_frame(bsdf.ns);
+  const ShadingFrame frame = make_shading_frame(bsdf.ns);
   const V3f o = frame.to_local(wo);
   const V3f i = frame.to_local(wi);
   if (!above(bsdf, wo, o) || !above(bsdf, wi, i)) return {};
@@ -175,8 +175,8 @@ BsdfValue eval_with_pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
 }
 
 std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, float u_lobe, const V2f& u, Lobes lobes) {
-  const Frame frame = make_frame(bsdf.ns);
-  if (is_black(bsdf.f0) && is_black(bsdf.f90)) {
+  const ShadingFrame frame = make_shading_frame(bsdf.ns);
+  if (is_lambertian(bsdf)) {
     // Lambert alone: f cos / pdf is the albedo to the last bit, which closed-form truths rely on.
     if (!(wo.dot(bsdf.ns) > min_cosine) || !(wo.dot(bsdf.ng) > 0)) return std::nullopt;
     const V3f i = sample_cosine_hemisphere(u);
@@ -210,7 +210,7 @@ std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, float u_lobe, 
 Rgb diffuse_reflectance(const Bsdf& bsdf, const V3f& wo) {
   const float mu = bsdf.ns.dot(wo);
   if (!(mu > min_cosine) || !(wo.dot(bsdf.ng) > 0)) return Rgb(0, 0, 0);
-  if (is_black(bsdf.f0) && is_black(bsdf.f90)) return bsdf.diffuse_albedo;
+  if (is_lambertian(bsdf)) return bsdf.diffuse_albedo;
   const float loss = fresnel_loss(mu);
   const Rgb f = bsdf.f0 * (1.0F - loss) + bsdf.f90 * loss;
   return bsdf.diffuse_albedo * std::max(0.0F, 1.0F - max_component(f));

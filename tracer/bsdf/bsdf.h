@@ -9,15 +9,19 @@
 namespace ivory {
 
 struct Bsdf {
-  V3f ns;
-  V3f ng;
+  V3f ns;  // unit shading normal, on the side of wo
+  V3f ng;  // unit geometric normal, likewise
   Rgb diffuse_albedo;
-  Rgb f0;
-  Rgb f90;
-  float alpha = 1;
+  Rgb f0;           // reflectance of the microfacet lobe at normal incidence
+  Rgb f90;          // and at grazing incidence
+  float alpha = 1;  // GGX
 };
 
+// That of a surface; very narrow lobes are widened to what float can tell apart.
 Bsdf make_bsdf(const Surface& surface);
+
+// Has it no microfacet lobe?
+inline bool is_lambertian(const Bsdf& bsdf) { return is_black(bsdf.f0) && is_black(bsdf.f90); }
 
 enum class Lobes { all, diffuse, specular };
 
@@ -26,18 +30,19 @@ Rgb eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes = Lobes::al
 
 struct BsdfSample {
   V3f wi;
-  Rgb throughput;  // f |ns.wi| / pdf
-  float pdf_solid_angle = 0;
+  Rgb throughput;             // f |ns.wi| / pdf
+  float pdf_solid_angle = 0;  // 1/sr
 };
-// Samples wi in proportion to the model; nothing where the sample falls below the surface (its
-// energy is lost to the model, not to the sampling).
+// Samples wi roughly in proportion to eval(), by u_lobe and u uniform in [0, 1). Nothing where the sample falls below
+// the surface: that energy is lost to the model, not to the sampling.
 std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, float u_lobe, const V2f& u, Lobes lobes = Lobes::all);
 
+// Density (1/sr) with which sample() chooses wi; 0 where eval() is.
 float pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes = Lobes::all);
 
 // eval() and pdf() of one pair of directions at less than the cost of both.
 struct BsdfValue {
-  Rgb value{0, 0, 0};  // f |ns.wi|
+  Rgb value{0, 0, 0};  // f |ns.wi|, 1/sr
   float pdf_solid_angle = 0;
 };
 BsdfValue eval_with_pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi);

@@ -10,17 +10,17 @@ namespace ivory {
 namespace {
 
 // The frame that anisotropic lobes lie in: along the mesh's tangents where it has them.
-Frame tangent_frame(const Scene& scene, const Hit& hit, const V3f& ns) {
+ShadingFrame tangent_frame(const Scene& scene, const Hit& hit, const V3f& ns) {
   const Instance& instance = scene.instances[std::size_t(hit.instance)];
   const Mesh& mesh = scene.meshes[std::size_t(instance.mesh)];
-  if (mesh.tangents.empty()) return make_frame(ns);
+  if (mesh.tangents.empty()) return make_shading_frame(ns);
   const auto& t = mesh.triangles[std::size_t(hit.triangle)];
   const V2f& b = hit.barycentric;
   const V4f tangent4 = mesh.tangents[t.x] * (1 - b.x - b.y) + mesh.tangents[t.y] * b.x + mesh.tangents[t.z] * b.y;
   V3f tangent;
   instance.to_world.multDirMatrix(V3f(tangent4.x, tangent4.y, tangent4.z), tangent);
   tangent -= ns * ns.dot(tangent);
-  if (!(tangent.length2() > 0)) return make_frame(ns);
+  if (!(tangent.length2() > 0)) return make_shading_frame(ns);
   tangent.normalize();
   // The model is even in the bitangent's sign.
   return {tangent, ns.cross(tangent), ns};
@@ -35,7 +35,7 @@ LobeReflectance make_lobe_reflectance(const Scene& scene, const Hit& hit, const 
   const Material& material = scene.materials[std::size_t(scene.meshes[std::size_t(mesh)].material)];
   if (!material.lafortune.empty()) {
     r.diffuse = surface.diffuse_albedo / pi;
-    const Frame frame = tangent_frame(scene, hit, surface.ns);
+    const ShadingFrame frame = tangent_frame(scene, hit, surface.ns);
     const V3f v = frame.to_local(wo);
     for (const LafortuneLobe& lobe : material.lafortune) {
       // k (wi . C v)^e = k |C v|^e (wi . C v/|C v|)^e  (the report's eq. 30).

@@ -1,4 +1,4 @@
-// Mappings from the unit square to directions, and the frames they live in.
+// Mappings from the unit square, u in [0, 1)^2, to directions and points, and the frames they live in.
 #pragma once
 
 #include <algorithm>
@@ -9,16 +9,16 @@
 
 namespace ivory {
 
-// An orthonormal frame whose z is a given unit vector.
-struct Frame {
+// Three orthonormal vectors, z the normal of a surface or the axis of a lobe.
+struct ShadingFrame {
   V3f x, y, z;
 
   V3f to_local(const V3f& w) const { return {w.dot(x), w.dot(y), w.dot(z)}; }
   V3f to_world(const V3f& w) const { return x * w.x + y * w.y + z * w.z; }
 };
 
-// Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
-inline Frame make_frame(const V3f& z) {
+// One whose z is the given unit vector. Duff et al., "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
+inline ShadingFrame make_shading_frame(const V3f& z) {
   const float sign = std::copysign(1.0F, z.z);
   const float a = -1.0F / (sign + z.z);
   const float b = z.x * z.y * a;
@@ -32,20 +32,21 @@ inline V2f sample_disc(const V2f& u) {
   return {r * std::cos(phi), r * std::sin(phi)};
 }
 
-// Around +z with density cos/pi; z > 0 always.
+// Unit direction around +z with density cos/pi; z > 0 always.
 inline V3f sample_cosine_hemisphere(const V2f& u) {
   const V2f d = sample_disc(u);
   // 1 - r^2 = 1 - u.x, which is at least 2^-24 because u.x < 1.
   return {d.x, d.y, std::sqrt(1.0F - u.x)};
 }
 
-// Direction at cosine `c` from +z and azimuth 2 pi u.
+// Unit direction at cosine c, -1 to 1, from +z and azimuth 2 pi u.
 inline V3f direction_at_cosine(float c, float u) {
   const float s = std::sqrt(std::max(0.0F, (1.0F - c) * (1.0F + c)));
   const float phi = 2 * pi * u;
   return {s * std::cos(phi), s * std::sin(phi), c};
 }
 
+// Uniform over the sphere of directions.
 inline V3f sample_sphere(const V2f& u) { return direction_at_cosine(1.0F - 2.0F * u.x, u.y); }
 
 // Barycentric weights of the 2nd and 3rd vertex, uniform over the triangle's area.

@@ -220,6 +220,12 @@ Surface make_surface(const Scene& scene, const Ray& ray, const Hit& hit) {
   return surface;
 }
 
+Ray spawn_ray(const Surface& surface, const V3f& w, std::uint32_t coverage_seed) {
+  return {.origin = offset_origin(surface.p, surface.ng, w, surface.reach_m),
+          .direction = w,
+          .coverage_seed = coverage_seed};
+}
+
 Rgb emission_at(const Scene& scene, int instance, int triangle, const V2f& barycentric) {
   return emission(scene, locate(scene, instance, triangle, barycentric));
 }

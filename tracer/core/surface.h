@@ -19,13 +19,18 @@ struct Surface {
   float reach_m = 0;          // as triangle_reach_m(); 0: not known
 };
 
+// What `ray` met at `hit`, both of the scene's intersector.
 Surface make_surface(const Scene& scene, const Ray& ray, const Hit& hit);
 
-// Largest coordinate of a triangle's corners in the world, m: the rounding error of points on it goes with that.
+// A ray that leaves the surface along unit w, on either side, and does not meet it where it starts.
+Ray spawn_ray(const Surface& surface, const V3f& w, std::uint32_t coverage_seed = 0);
+
+// Largest absolute coordinate of a triangle's corners in the world, metres: the rounding error of points on it goes
+// with that.
 float triangle_reach_m(const Scene& scene, int instance, int triangle);
 
-// Is `hit`, found along unit `direction` within rounding of its origin, the surface of normal +-direction that the
-// origin lies on?
+// Is `hit`, distance_m from a point along unit `direction`, the very surface of normal +-direction that the point lies
+// on, but for rounding?
 bool is_own_surface(const Scene& scene, const Hit& hit, float distance_m, const V3f& direction);
 
 // reach_m of the surface with unit normal ng that p lies on to within rounding; 0 where there is none.
@@ -34,7 +39,8 @@ float own_surface_reach_m(const Intersector& intersector, const V3f& p, const V3
 // The radiance in nits that a triangle emits from barycentric b, on the side it emits from.
 Rgb emission_at(const Scene& scene, int instance, int triangle, const V2f& barycentric);
 
-// Coverage (0 to 1) of a mesh's material there: 0 or 1 for MASK, alpha for BLEND, times what it does not transmit.
+// Coverage (0 to 1) of a mesh's material at a barycentric: 0 or 1 for MASK, alpha for BLEND, times the share that it
+// does not transmit.
 float coverage_at(const Scene& scene, int mesh, int triangle, const V2f& barycentric);
 
 }  // namespace ivory

@@ -44,7 +44,7 @@ struct Document {
 
 // Reads the file (and, for GLB, its binary chunk), parses and checks the JSON.
 void read_json(Document& document);
-// Loads all buffers and resolves all buffer views.
+// Loads all buffers and resolves all buffer views. In buffers.cpp.
 void read_buffers(Document& document);
 // Hands what remains to tinygltf.
 void parse_model(Document& document);

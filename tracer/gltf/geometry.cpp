@@ -1,8 +1,8 @@
 // Mending of triangle meshes: degenerate triangles, unused vertices, flat normals, tangents.
+#include "tracer/gltf/geometry.h"
+
 #include <array>
 #include <cmath>
-
-#include "tracer/gltf/meshes.h"
 
 namespace ivory::gltf {
 namespace {
@@ -81,6 +81,7 @@ void make_flat_normals(Mesh& mesh) {
 // bitangent on the side of the sign of det = a d - b c. glTF's bitangent is cross(n, t) w and points
 // towards growing -v, v growing downwards in the image: "green up" maps need w = +1 where u runs
 // right and v runs down on the front face, that is where det < 0.
+// glTF recommends MikkTSpace, which no Debian package brings; the two differ where uv seams and normals split a vertex.
 void generate_tangents(Mesh& mesh, const TextureUse& use) {
   const std::vector<V2f>& uvs = mesh.uvs[std::size_t(use.uv_set)];
   const auto& m = use.uv_transform;

@@ -1,3 +1,5 @@
+#include "tracer/gltf/images.h"
+
 #include <algorithm>
 
 #include <OpenImageIO/filesystem.h>
@@ -9,7 +11,6 @@
 #include <zlib.h>
 
 #include "grid/base/memory.h"
-#include "tracer/gltf/materials.h"
 
 namespace ivory::gltf {
 namespace {

@@ -4,6 +4,7 @@
 
 #include "tracer/gltf/accessors.h"
 #include "tracer/gltf/document.h"
+#include "tracer/gltf/images.h"
 #include "tracer/gltf/materials.h"
 #include "tracer/gltf/meshes.h"
 #include "tracer/gltf/nodes.h"

@@ -1,4 +1,4 @@
-// Materials, textures and images. Private to the loader.
+// Materials and textures. Private to the loader.
 #pragma once
 
 #include "tracer/core/scene.h"
@@ -11,12 +11,5 @@ std::vector<Material> make_materials(Document& document);
 
 // All textures of the file in its order; `image` is an index into the file's images.
 std::vector<Texture> make_textures(Document& document);
-
-// Decodes the images that the materials use (those of which `material_used` is set) into
-// scene.images, and makes scene.textures point there.
-void load_images(Document& document, const std::vector<char>& material_used, Scene& scene);
-
-// PNG, JPEG or WebP. Returns why it cannot be decoded; empty when it could.
-std::string decode_image(std::span<const std::uint8_t> bytes, Image& image);
 
 }  // namespace ivory::gltf

@@ -11,6 +11,7 @@
 
 #include "tracer/gltf/accessors.h"
 #include "tracer/gltf/draco.h"
+#include "tracer/gltf/geometry.h"
 #include "tracer/gltf/materials.h"
 
 namespace ivory::gltf {

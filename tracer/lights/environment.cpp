@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include "grid/env/latlong_map.h"
@@ -12,13 +13,11 @@ namespace ivory {
 
 namespace {
 
-constexpr double pi_d = 3.14159265358979323846;
-
 // A texel between polar angles theta0 and theta1 covers (2 pi / width) (cos theta0 - cos theta1).
 double texel_solid_angle(const EnvironmentMap& map, int row) {
-  const double step = pi_d / map.height;
+  const double step = std::numbers::pi / map.height;
   // cos a - cos b = 2 sin((a+b)/2) sin((b-a)/2) keeps its digits near the poles.
-  return 2 * pi_d / map.width * 2 * std::sin((row + 0.5) * step) * std::sin(0.5 * step);
+  return 2 * std::numbers::pi / map.width * 2 * std::sin((row + 0.5) * step) * std::sin(0.5 * step);
 }
 
 // Texels are chosen by luminance times solid angle and directions uniformly within a texel, so the
@@ -29,12 +28,12 @@ V3f sample_direction(const EnvironmentLight& light, RandomStream& random) {
   const int row = int(texel / std::uint32_t(map.width));
   const int column = int(texel % std::uint32_t(map.width));
   const V2f u = random.next2();
-  const double step = pi_d / map.height;
+  const double step = std::numbers::pi / map.height;
   const double top = std::cos(row * step);
   const double bottom = std::cos((row + 1) * step);
   const double y = top + (bottom - top) * double(u.x);
   const double s = std::sqrt(std::max(0.0, (1 - y) * (1 + y)));
-  const double phi = 2 * pi_d * ((column + double(u.y)) / map.width - 0.5);  // atan2(-x, z)
+  const double phi = 2 * std::numbers::pi * ((column + double(u.y)) / map.width - 0.5);  // atan2(-x, z)
   return {float(-s * std::sin(phi)), float(y), float(s * std::cos(phi))};
 }
 
@@ -68,7 +67,7 @@ Rgb power_lm(const EnvironmentLight& light, const BoundingSphere& sphere) {
 // L pi R^2 / p(w): the same luminance for every photon.
 EmittedPhoton emit(const EnvironmentLight& light, const BoundingSphere& sphere, RandomStream& random) {
   const V3f w = sample_direction(light, random);
-  const Frame frame = make_frame(w);
+  const ShadingFrame frame = make_shading_frame(w);
   const V2f disc = sample_disc(random.next2()) * sphere.radius_m;
   const float pdf = pdf_solid_angle(light, w);
   const Rgb power = pdf > 0 ? eval(*light.map, w) * (pi * sphere.radius_m * sphere.radius_m / pdf) : Rgb(0, 0, 0);

@@ -13,16 +13,18 @@ struct EnvironmentLight {
   Rgb radiance_integral{0, 0, 0};  // the same per channel
 };
 
-// `map` must outlive the light.
+// `map`, of at least 1 x 1 texels, must outlive the light.
 EnvironmentLight make_environment_light(const EnvironmentMap& map);
 
-// pi R^2 times the radiance integral: what enters the bounding sphere.
+// pi R^2 times the radiance integral, lumen per channel: what enters the bounding sphere.
 Rgb power_lm(const EnvironmentLight& light, const BoundingSphere& sphere);
 
+// One photon, from the disc over the sphere that faces its direction; its power is power_lm() in the mean.
 EmittedPhoton emit(const EnvironmentLight& light, const BoundingSphere& sphere, RandomStream& random);
+// A direction in proportion to luminance; nothing where the map is black.
 std::optional<LightSample> sample(const EnvironmentLight& light, RandomStream& random);
 
-// pdf of those directions, 1/sr.
+// pdf of those directions at unit w, 1/sr.
 float pdf_solid_angle(const EnvironmentLight& light, const V3f& w);
 
 }  // namespace ivory

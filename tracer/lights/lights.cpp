@@ -68,7 +68,8 @@ struct Lights::State {
   std::size_t environment_index() const { return punctual_count() + triangles.size(); }
 };
 
-Lights::Lights(const Scene& scene, const Intersector& intersector) : state_(std::make_unique<State>()) {
+Lights::Lights(const Intersector& intersector) : state_(std::make_unique<State>()) {
+  const Scene& scene = intersector.scene();
   State& state = *state_;
   state.scene = &scene;
   state.sphere = sphere_around(intersector);

@@ -1,5 +1,5 @@
-// All that shines in a scene, under one interface: punctual lights, emissive triangles,
-// the environment. Power and an even share each decide who is picked.
+// All that shines in a scene, under one interface: punctual lights, emissive triangles, the environment. Which of them
+// is sampled is decided half by power and half evenly.
 #pragma once
 
 #include <memory>
@@ -11,7 +11,7 @@
 namespace ivory {
 
 struct EmittedPhoton {
-  V3f origin;
+  V3f origin;     // world
   V3f direction;  // unit, the way the photon flies
   Rgb power;      // lumen carried, so that the mean over photons times 1 is the scene's total flux
 };
@@ -22,8 +22,8 @@ struct LightSample {
   Rgb irradiance_weight;      // L / pdf_solid_angle, or I / r^2 / pick probability: times f cos gives radiance
   float pdf_solid_angle = 0;  // of this w among all non-delta lights, pick probability included; 0 for delta lights
   bool delta = false;
-  // Where light at a finite distance comes from: the point, the unit normal of the emitter (0 for a point in
-  // space) and its reach as offset_origin() takes it. For sample_direct() to end its shadow ray by.
+  // Where light at a finite distance comes from, for the end of a shadow ray: the point, the emitter's unit normal (0
+  // for a light without a surface) and its triangle_reach_m().
   V3f point{0, 0, 0};
   V3f ng{0, 0, 0};
   float reach_m = 0;
@@ -31,8 +31,8 @@ struct LightSample {
 
 class Lights {
  public:
-  // Both must outlive this object. Throws Error where a light is not finite.
-  Lights(const Scene& scene, const Intersector& intersector);
+  // Those of intersector.scene(), which must outlive this object. Throws Error where a light is not finite.
+  explicit Lights(const Intersector& intersector);
   ~Lights();
   Lights(Lights&&) noexcept;
   Lights& operator=(Lights&&) noexcept;
@@ -50,7 +50,8 @@ class Lights {
   };
   PhotonPower photon_power() const;
 
-  // One photon, from a light picked as in sample(). Its power is the light's flux over the odds of that.
+  // One photon, from a light picked as in sample(). Its power is the light's flux over the probability of that; black
+  // where nothing shines.
   EmittedPhoton emit(RandomStream& random) const;
 
   // One light as seen from p, half by power and half evenly; nothing when that light cannot reach p

@@ -71,11 +71,11 @@ EmittedPhoton emit_from(const SpotLight& light, const BoundingSphere& sphere, Ra
   const float sine = float(std::sqrt(x * (2 - x)));
   const float phi = 2 * pi * u.y;
   const V3f local(sine * std::cos(phi), sine * std::sin(phi), float(1 - x));
-  return {light.position, make_frame(light.direction).to_world(local).normalized(), power_of(light, sphere)};
+  return {light.position, make_shading_frame(light.direction).to_world(local).normalized(), power_of(light, sphere)};
 }
 
 EmittedPhoton emit_from(const DirectionalLight& light, const BoundingSphere& sphere, RandomStream& random) {
-  const Frame frame = make_frame(light.direction);
+  const ShadingFrame frame = make_shading_frame(light.direction);
   const V2f disc = sample_disc(random.next2()) * sphere.radius_m;
   // Twice the radius back: clear of the sphere despite rounding.
   const V3f origin = sphere.center - light.direction * (2 * sphere.radius_m) + frame.x * disc.x + frame.y * disc.y;

@@ -123,7 +123,7 @@ EmittedPhoton emit(const Scene& scene, const TriangleLight& light, RandomStream&
   const V2f b = sample_triangle(random.next2());
   const float u_side = random.next();
   const V3f n = light.double_sided && u_side < 0.5F ? -light.ng : light.ng;
-  const V3f direction = make_frame(n).to_world(sample_cosine_hemisphere(random.next2())).normalized();
+  const V3f direction = make_shading_frame(n).to_world(sample_cosine_hemisphere(random.next2())).normalized();
   const V3f p = light.vertex + light.edge1 * b.x + light.edge2 * b.y;
   const Rgb radiance = radiance_at(scene, light.instance, light.triangle, b);
   return {offset_origin(p, light.ng, direction, light.reach_m), direction,

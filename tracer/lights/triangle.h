@@ -24,7 +24,7 @@ struct TriangleLight {
 // those without area or with no light at all (black texels) are left out.
 std::vector<TriangleLight> make_triangle_lights(const Scene& scene);
 
-// pi A L, from both sides where the material is double-sided.
+// pi A L in lumen per channel, from both sides where the material is double-sided.
 Rgb power_lm(const TriangleLight& light);
 
 // One photon from a uniform point, whose mean power is the light's flux.

@@ -34,10 +34,10 @@ float point_clearance_m(const V3f& a, const V3f& b) {
 
 }  // namespace
 
-Rgb sample_direct(const Intersector& intersector, const Lights& lights, const Surface& surface, const Bsdf& bsdf,
-                  const V3f& wo, DirectStrategy strategy, RandomStream& random) {
+Rgb sample_direct(const LitScene& lit, const Surface& surface, const Bsdf& bsdf, const V3f& wo, DirectStrategy strategy,
+                  RandomStream& random) {
   const Rgb black(0, 0, 0);
-  const std::optional<LightSample> light = lights.sample(surface.p, random);
+  const std::optional<LightSample> light = lit.lights.sample(surface.p, random);
   if (!light) return black;
   const BsdfValue f = eval_with_pdf(bsdf, wo, light->w);
   Rgb radiance = f.value * light->irradiance_weight;
@@ -47,9 +47,7 @@ Rgb sample_direct(const Intersector& intersector, const Lights& lights, const Su
     radiance *= power_heuristic(light->pdf_solid_angle, f.pdf_solid_angle);
   }
 
-  Ray shadow;
-  shadow.origin = offset_origin(surface.p, surface.ng, light->w, surface.reach_m);
-  shadow.direction = light->w;
+  Ray shadow = spawn_ray(surface, light->w);
   if (std::isfinite(light->distance_m)) {
     // Both ends stay clear of their own surfaces by the rounding error of the coordinates, whatever the distance
     // between them: an emitter's end along its normal, as a ray leaving it would start. A lamp without a surface
@@ -64,7 +62,7 @@ Rgb sample_direct(const Intersector& intersector, const Lights& lights, const Su
     shadow.direction = to_end / distance;
     shadow.t_max = has_surface ? distance : distance - point_clearance_m(surface.p, end);
   }
-  return radiance * intersector.transmittance(shadow);
+  return radiance * lit.intersector.transmittance(shadow);
 }
 
 float emission_weight(const Lights& lights, const V3f& p, const Hit& hit, float pdf_bsdf, DirectStrategy strategy) {

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "tracer/bsdf/bsdf.h"
-#include "tracer/lights/lights.h"
+#include "tracer/core/lit_scene.h"
 
 namespace ivory {
 
@@ -16,11 +16,12 @@ enum class DirectStrategy {
 };
 
 // Radiance in nits that `surface` scatters towards wo from one sampled light, visibility included.
-Rgb sample_direct(const Intersector& intersector, const Lights& lights, const Surface& surface, const Bsdf& bsdf,
-                  const V3f& wo, DirectStrategy strategy, RandomStream& random);
+Rgb sample_direct(const LitScene& lit, const Surface& surface, const Bsdf& bsdf, const V3f& wo, DirectStrategy strategy,
+                  RandomStream& random);
 
-// Weights of light that a ray sampled by the BSDF ran into: the complement of sample_direct(). `p` is
-// where the ray was sampled, pdf_bsdf the density of its direction (1/sr).
+// Weights (0 to 1) of light that a ray sampled by the BSDF ran into, the complement of sample_direct(): of an emissive
+// surface at `hit`, of the environment along unit w. `p` is where the ray was sampled, pdf_bsdf the density of its
+// direction (1/sr).
 float emission_weight(const Lights& lights, const V3f& p, const Hit& hit, float pdf_bsdf, DirectStrategy strategy);
 float environment_weight(const Lights& lights, const V3f& w, float pdf_bsdf, DirectStrategy strategy);
 

@@ -24,8 +24,7 @@ namespace {
 constexpr std::uint32_t even_calls = 5;
 
 struct Gatherer {
-  const Intersector& intersector;
-  const Lights& lights;
+  const LitScene& lit;
   const IndirectLight& indirect;
   const GatherParams& params;
 
@@ -41,13 +40,10 @@ struct Gatherer {
       random.begin_branch(std::uint32_t(i), std::uint32_t(params.gather_rays), even_calls);
       const std::optional<BsdfSample> s = sample(bsdf, wo, 1, random.next2(), Lobes::diffuse);
       if (!s) continue;
-      Ray ray;
-      ray.origin = offset_origin(surface.p, surface.ng, s->wi, surface.reach_m);
-      ray.direction = s->wi;
-      ray.coverage_seed = random.next_u32();
-      const std::optional<Hit> hit = intersector.closest(ray);
+      const Ray ray = spawn_ray(surface, s->wi, random.next_u32());
+      const std::optional<Hit> hit = lit.intersector.closest(ray);
       if (!hit) continue;
-      const Surface y = make_surface(intersector.scene(), ray, *hit);
+      const Surface y = make_surface(*lit.scene, ray, *hit);
       sum += s->throughput * reflected(y, -s->wi, /*first=*/false, random);
     }
     random.end_branches();
@@ -64,13 +60,12 @@ struct Gatherer {
       const Bsdf bsdf = make_bsdf(surface);
       const bool seen_first = first && bounce == 0;
       const bool counts_direct = !(seen_first && params.indirect_only);
-      if (counts_direct)
-        radiance += throughput * sample_direct(intersector, lights, surface, bsdf, wo, params.strategy, random);
+      if (counts_direct) radiance += throughput * sample_direct(lit, surface, bsdf, wo, params.strategy, random);
       radiance += throughput * (seen_first && params.gather_rays > 0 ? gathered(surface, bsdf, wo, random)
                                                                      : from_store(surface, bsdf, wo));
 
-      const bool looks_for_light = counts_direct && lights.has_extended();
-      const bool reflects = !(is_black(bsdf.f0) && is_black(bsdf.f90));
+      const bool looks_for_light = counts_direct && lit.lights.has_extended();
+      const bool reflects = !is_lambertian(bsdf);
       if (!looks_for_light && !reflects) break;
       const float u_lobe = random.next();
       const std::optional<BsdfSample> s =
@@ -87,24 +82,21 @@ struct Gatherer {
       }
       if (is_black(specular) && !looks_for_light) break;
 
-      Ray ray;
-      ray.origin = offset_origin(surface.p, surface.ng, s->wi, surface.reach_m);
-      ray.direction = s->wi;
-      ray.coverage_seed = random.next_u32();
-      const std::optional<Hit> hit = intersector.closest(ray);
+      const Ray ray = spawn_ray(surface, s->wi, random.next_u32());
+      const std::optional<Hit> hit = lit.intersector.closest(ray);
       if (!hit) {
         if (looks_for_light) {
-          radiance += throughput * s->throughput * lights.environment_radiance(s->wi) *
-                      environment_weight(lights, s->wi, s->pdf_solid_angle, params.strategy);
+          radiance += throughput * s->throughput * lit.lights.environment_radiance(s->wi) *
+                      environment_weight(lit.lights, s->wi, s->pdf_solid_angle, params.strategy);
         }
         break;
       }
       const V3f p = surface.p;
-      surface = make_surface(intersector.scene(), ray, *hit);
+      surface = make_surface(*lit.scene, ray, *hit);
       wo = -s->wi;
       if (looks_for_light && !is_black(surface.emission)) {
         radiance += throughput * s->throughput * surface.emission *
-                    emission_weight(lights, p, *hit, s->pdf_solid_angle, params.strategy);
+                    emission_weight(lit.lights, p, *hit, s->pdf_solid_angle, params.strategy);
       }
       if (is_black(specular)) break;
       throughput = specular;
@@ -115,31 +107,31 @@ struct Gatherer {
 
 }  // namespace
 
-IndirectLight indirect_light(const Intersector& intersector, const GridLight& grid) {
-  return [&intersector, &grid](const Surface& surface) {
-    return lookup_irradiance(*grid.grid, &intersector, grid.guard, surface.p, surface.ng, surface.ns, grid.lookup);
+IndirectLight indirect_light(const LitScene& lit, const GridLight& grid) {
+  return [&lit, &grid](const Surface& surface) {
+    return lookup_irradiance(*grid.grid, &lit.intersector, grid.guard, surface.p, surface.ng, surface.ns, grid.lookup);
   };
 }
 
-Rgb trace_gather(const Intersector& intersector, const Lights& lights, const IndirectLight& indirect, const Ray& ray,
-                 const GatherParams& params, RandomStream& random) {
-  const std::optional<Hit> hit = intersector.closest(ray);
-  if (!hit) return params.indirect_only ? Rgb(0, 0, 0) : lights.environment_radiance(ray.direction);
-  const Surface surface = make_surface(intersector.scene(), ray, *hit);
+Rgb trace_gather(const LitScene& lit, const IndirectLight& indirect, const Ray& ray, const GatherParams& params,
+                 RandomStream& random) {
+  const std::optional<Hit> hit = lit.intersector.closest(ray);
+  if (!hit) return params.indirect_only ? Rgb(0, 0, 0) : lit.lights.environment_radiance(ray.direction);
+  const Surface surface = make_surface(*lit.scene, ray, *hit);
   const Rgb emission = params.indirect_only ? Rgb(0, 0, 0) : surface.emission;
-  const Gatherer gatherer{intersector, lights, indirect, params};
+  const Gatherer gatherer{lit, indirect, params};
   return emission + gatherer.reflected(surface, -ray.direction, /*first=*/true, random);
 }
 
-Rgb trace_gather(const Intersector& intersector, const Lights& lights, const GridLight& grid, const Ray& ray,
-                 const GatherParams& params, RandomStream& random) {
-  return trace_gather(intersector, lights, indirect_light(intersector, grid), ray, params, random);
+Rgb trace_gather(const LitScene& lit, const GridLight& grid, const Ray& ray, const GatherParams& params,
+                 RandomStream& random) {
+  return trace_gather(lit, indirect_light(lit, grid), ray, params, random);
 }
 
-Film render_gather(const Intersector& intersector, const Lights& lights, const IndirectLight& indirect,
-                   const View& view, const RenderParams& render, const GatherParams& params) {
+Film render_gather(const LitScene& lit, const IndirectLight& indirect, const View& view, const RenderParams& render,
+                   const GatherParams& params) {
   return render_film(view, render, [&](const Ray& ray, RandomStream& random) {
-    return trace_gather(intersector, lights, indirect, ray, params, random);
+    return trace_gather(lit, indirect, ray, params, random);
   });
 }
 

@@ -19,8 +19,8 @@ struct GridLight {
 
 // E in lux of indirect light at a surface, from whatever stores it. Called from any thread.
 using IndirectLight = std::function<Rgb(const Surface&)>;
-// The grid's; what it refers to must outlive it.
-IndirectLight indirect_light(const Intersector& intersector, const GridLight& grid);
+// That of the grid; `lit` and `grid` must outlive it.
+IndirectLight indirect_light(const LitScene& lit, const GridLight& grid);
 
 struct GatherParams {
   // Rays a sample that gather light at the first surface seen; 0 reads the stored light there.
@@ -34,12 +34,13 @@ struct GatherParams {
 };
 
 // One estimate of the radiance in nits along an eye ray.
-Rgb trace_gather(const Intersector& intersector, const Lights& lights, const IndirectLight& indirect, const Ray& ray,
-                 const GatherParams& params, RandomStream& random);
-Rgb trace_gather(const Intersector& intersector, const Lights& lights, const GridLight& grid, const Ray& ray,
-                 const GatherParams& params, RandomStream& random);
+Rgb trace_gather(const LitScene& lit, const IndirectLight& indirect, const Ray& ray, const GatherParams& params,
+                 RandomStream& random);
+Rgb trace_gather(const LitScene& lit, const GridLight& grid, const Ray& ray, const GatherParams& params,
+                 RandomStream& random);
 
-Film render_gather(const Intersector& intersector, const Lights& lights, const IndirectLight& indirect,
-                   const View& view, const RenderParams& render, const GatherParams& params);
+// The picture of that; threads, seed and samples as in render_film(). Throws as that does.
+Film render_gather(const LitScene& lit, const IndirectLight& indirect, const View& view, const RenderParams& render,
+                   const GatherParams& params);
 
 }  // namespace ivory

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "grid/fiv/light.h"
-#include "tracer/lights/lights.h"
+#include "tracer/core/lit_scene.h"
 #include "tracer/render/render.h"
 
 namespace ivory {
@@ -16,10 +16,10 @@ struct FivScene {
   std::function<Rgb(const V3f& n)> unshadowed;  // E(n) of the environment in lux
 };
 
-// Every surface seen reflects E / pi by diffuse_reflectance() (bsdf.h); occluders shadow all others and themselves,
-// nothing else casts shadows, and microfacet lobes are left out. What shines by itself and the environment behind are
-// seen as they are. Needs no rays but the eye's.
-Film render_fiv(const FivScene& scene, const Intersector& intersector, const Lights& lights, const View& view,
-                const RenderParams& render, const FivLightParams& params);
+// Every surface seen reflects E / pi by diffuse_reflectance() (tracer/bsdf/bsdf.h). Occluders shadow all others and
+// themselves; nothing else casts shadows, and microfacet lobes are left out. Surfaces that emit and the environment
+// behind are seen as they are. Needs no rays but the eye's. Throws as render_film() does.
+Film render_fiv(const FivScene& scene, const LitScene& lit, const View& view, const RenderParams& render,
+                const FivLightParams& params);
 
 }  // namespace ivory

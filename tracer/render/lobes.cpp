@@ -11,7 +11,7 @@ namespace {
 
 // Monte Carlo: directions uniform over the cap, one in each of rows x columns strata,
 //   L = solid angle / n  sum f(w) cos V(w).
-Rgb by_rays(const Intersector& intersector, const Sphere& light, const LightCap& cap, const Surface& surface,
+Rgb by_rays(const LitScene& lit, const Sphere& light, const LightCap& cap, const Surface& surface,
             const LobeReflectance& reflectance, std::span<const Sphere> near, const LobeParams& params,
             RandomStream& random) {
   const V3f& p = surface.p;
@@ -44,16 +44,14 @@ Rgb by_rays(const Intersector& intersector, const Sphere& light, const LightCap&
       const auto hides = [&](const Sphere& sphere) { return power(sphere, p) < light_power && meets(sphere, p, w); };
       if (std::any_of(near.begin(), near.end(), hides)) visible = 0;
     } else {
-      Ray ray;
-      ray.origin = offset_origin(p, surface.ng, w, surface.reach_m);
-      ray.direction = w;
+      Ray ray = spawn_ray(surface, w);
       // To the ball, short of it by more than its mesh stands out of it.
       const V3f d = light.center - ray.origin;
       const float along = d.dot(w);
       const float inside2 = light.radius_m * light.radius_m - (d - w * along).length2();
       ray.t_max = along - std::sqrt(std::max(inside2, 0.0F)) - 2e-3F * light.radius_m;
-      if (intersector.has_coverage()) ray.coverage_seed = random.next_u32();
-      if (ray.t_max > 0) visible = intersector.transmittance(ray);
+      if (lit.intersector.has_coverage()) ray.coverage_seed = random.next_u32();
+      if (ray.t_max > 0) visible = lit.intersector.transmittance(ray);
     }
     sum += f * visible;
   }
@@ -62,7 +60,7 @@ Rgb by_rays(const Intersector& intersector, const Sphere& light, const LightCap&
 
 }  // namespace
 
-Rgb lobe_direct_light(const LobeScene& lobes, const Intersector& intersector, const Surface& surface,
+Rgb lobe_direct_light(const LobeScene& lobes, const LitScene& lit, const Surface& surface,
                       const LobeReflectance& reflectance, const LobeParams& params, RandomStream& random) {
   const bool by_products = params.shadows == LobeShadows::lobes || params.shadows == LobeShadows::none;
   const V3f& p = surface.p;
@@ -87,21 +85,21 @@ Rgb lobe_direct_light(const LobeScene& lobes, const Intersector& intersector, co
     const LightCap cap = make_light_cap(light, p);
     near.clear();
     if (params.shadows == LobeShadows::spheres) find_hiding(lobes.occluders, make_cone(cap, p), near);
-    sum += source.radiance_nits * by_rays(intersector, light, cap, surface, reflectance, near, params, random);
+    sum += source.radiance_nits * by_rays(lit, light, cap, surface, reflectance, near, params, random);
   }
   return sum;
 }
 
-Film render_lobes(const LobeScene& lobes, const Intersector& intersector, const View& view, const RenderParams& render,
+Film render_lobes(const LobeScene& lobes, const LitScene& lit, const View& view, const RenderParams& render,
                   const LobeParams& params) {
-  const Scene& scene = intersector.scene();
+  const Scene& scene = *lit.scene;
   return render_film(view, render, [&](const Ray& ray, RandomStream& random) {
-    const std::optional<Hit> hit = intersector.closest(ray);
+    const std::optional<Hit> hit = lit.intersector.closest(ray);
     if (!hit) return Rgb(0, 0, 0);
     const Surface surface = make_surface(scene, ray, *hit);
     const V3f wo = -ray.direction;
     const LobeReflectance reflectance = make_lobe_reflectance(scene, *hit, surface, wo);
-    return surface.emission + lobe_direct_light(lobes, intersector, surface, reflectance, params, random);
+    return surface.emission + lobe_direct_light(lobes, lit, surface, reflectance, params, random);
   });
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "tracer/bsdf/lobe_reflectance.h"
+#include "tracer/core/lit_scene.h"
 #include "tracer/render/render.h"
 
 namespace ivory {
@@ -32,15 +33,14 @@ struct LobeScene {
   SphereGroups occluders;  // the sphere sets', placed, and the lights themselves
 };
 
-// Radiance in nits that `reflectance` sends on from the lights; of the surface, only place, geometric normal and reach
-// are read.
-// `random` is drawn from by the Monte Carlo twin alone. Lights that hold the place give nothing; spheres that hold it
-// cast no shadow there.
-Rgb lobe_direct_light(const LobeScene& lobes, const Intersector& intersector, const Surface& surface,
+// Radiance in nits that `reflectance` sends on from the lights. Of the surface, only p, ng and reach_m are read;
+// `random` serves the Monte Carlo twin alone. Lights that hold p inside give nothing; spheres that hold it cast no
+// shadow there.
+Rgb lobe_direct_light(const LobeScene& lobes, const LitScene& lit, const Surface& surface,
                       const LobeReflectance& reflectance, const LobeParams& params, RandomStream& random);
 
-// What the eye sees: emission and direct light of the first surface.
-Film render_lobes(const LobeScene& lobes, const Intersector& intersector, const View& view, const RenderParams& render,
+// Emission and direct light of the first surface seen. Throws as render_film() does.
+Film render_lobes(const LobeScene& lobes, const LitScene& lit, const View& view, const RenderParams& render,
                   const LobeParams& params);
 
 }  // namespace ivory

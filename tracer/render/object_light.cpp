@@ -19,14 +19,13 @@ namespace ivory {
 namespace {
 
 struct Renderer {
-  const Intersector& intersector;
-  const Lights& lights;
+  const LitScene& lit;
   const CubeReader& cube;
   const ObjectLightParams& params;
 
   Rgb background(const Ray& ray, RandomStream& random) const {
-    return params.grid != nullptr ? trace_gather(intersector, lights, *params.grid, ray, GatherParams{}, random)
-                                  : trace_path(intersector, lights, ray, PathParams{}, random);
+    return params.grid != nullptr ? trace_gather(lit, *params.grid, ray, GatherParams{}, random)
+                                  : trace_path(lit, ray, PathParams{}, random);
   }
 
   Rgb trace(const Ray& eye_ray, RandomStream& random) const {
@@ -34,20 +33,20 @@ struct Renderer {
     Rgb throughput(1, 1, 1);
     Ray ray = eye_ray;
     for (int bounce = 0; bounce <= params.max_specular_bounces; ++bounce) {
-      const std::optional<Hit> hit = intersector.closest(ray);
+      const std::optional<Hit> hit = lit.intersector.closest(ray);
       if (!hit || !params.is_object[std::size_t(hit->instance)]) return radiance + throughput * background(ray, random);
 
-      const Surface surface = make_surface(intersector.scene(), ray, *hit);
+      const Surface surface = make_surface(*lit.scene, ray, *hit);
       const Bsdf bsdf = make_bsdf(surface);
       const V3f wo = -ray.direction;
       Rgb here = surface.emission;
       // This strategy samples punctual lights only.
-      here += sample_direct(intersector, lights, surface, bsdf, wo, DirectStrategy::bsdf, random);
+      here += sample_direct(lit, surface, bsdf, wo, DirectStrategy::bsdf, random);
       const Rgb reflectance = diffuse_reflectance(bsdf, wo);
       if (!is_black(reflectance)) here += reflectance / pi * irradiance(cube, surface.p, surface.ns);
       radiance += throughput * here;
 
-      if (is_black(bsdf.f0) && is_black(bsdf.f90)) break;
+      if (is_lambertian(bsdf)) break;
       const float u_lobe = random.next();
       const std::optional<BsdfSample> s = sample(bsdf, wo, u_lobe, random.next2(), Lobes::specular);
       if (!s) break;
@@ -56,10 +55,7 @@ struct Renderer {
       const float survival = std::min(1.0F, std::sqrt(max_component(throughput)));
       if (!(random.next() < survival)) break;
       throughput /= survival;
-      ray = Ray();
-      ray.origin = offset_origin(surface.p, surface.ng, s->wi, surface.reach_m);
-      ray.direction = s->wi;
-      ray.coverage_seed = random.next_u32();
+      ray = spawn_ray(surface, s->wi, random.next_u32());
     }
     return radiance;
   }
@@ -67,10 +63,10 @@ struct Renderer {
 
 }  // namespace
 
-Film render_with_cube(const Intersector& intersector, const Lights& lights, const CubeLight& cube, const View& view,
-                      const RenderParams& render, const ObjectLightParams& params) {
+Film render_with_cube(const LitScene& lit, const CubeLight& cube, const View& view, const RenderParams& render,
+                      const ObjectLightParams& params) {
   const CubeReader reader = make_cube_reader(*cube.cube, cube.method);
-  const Renderer renderer{intersector, lights, reader, params};
+  const Renderer renderer{lit, reader, params};
   return render_film(view, render, [&](const Ray& ray, RandomStream& random) { return renderer.trace(ray, random); });
 }
 

@@ -19,10 +19,10 @@ struct ObjectLightParams {
   int max_specular_bounces = 16;    // between objects
 };
 
-// What is seen of the objects reflects, by its diffuse lobe, the cube map's irradiance at each point, unshadowed, and
-// punctual lights with shadows; by its specular lobe, what a traced ray meets. Everything else is path
-// traced, or read from the grid, with the objects in place: they shadow it and colour it.
-Film render_with_cube(const Intersector& intersector, const Lights& lights, const CubeLight& cube, const View& view,
-                      const RenderParams& render, const ObjectLightParams& params);
+// The objects' diffuse lobes reflect the cube map's irradiance at each point, unshadowed; both lobes reflect punctual
+// lights with shadows; the specular lobe reflects what a traced ray meets. Everything else is path traced, or read from
+// the grid, with the objects in place: they shadow and colour it. Throws as render_film() does.
+Film render_with_cube(const LitScene& lit, const CubeLight& cube, const View& view, const RenderParams& render,
+                      const ObjectLightParams& params);
 
 }  // namespace ivory

@@ -24,8 +24,8 @@ constexpr float most_survival = 0.999F;
 
 }  // namespace
 
-Rgb trace_scattered(const Intersector& intersector, const Lights& lights, const Surface& first, const V3f& first_wo,
-                    const PathParams& params, RandomStream& random) {
+Rgb trace_scattered(const LitScene& lit, const Surface& first, const V3f& first_wo, const PathParams& params,
+                    RandomStream& random) {
   Rgb radiance(0, 0, 0);
   Rgb throughput(1, 1, 1);
   Surface surface = first;
@@ -33,9 +33,9 @@ Rgb trace_scattered(const Intersector& intersector, const Lights& lights, const 
   for (int bounce = 1; bounce <= params.max_bounces; ++bounce) {
     const Bsdf bsdf = make_bsdf(surface);
     const bool counts = bounce > 1 || !params.indirect_only;
-    if (counts) radiance += throughput * sample_direct(intersector, lights, surface, bsdf, wo, params.strategy, random);
+    if (counts) radiance += throughput * sample_direct(lit, surface, bsdf, wo, params.strategy, random);
     // The last ray of a path only looks for light, of which there may be none to run into.
-    if (bounce == params.max_bounces && !(counts && lights.has_extended())) break;
+    if (bounce == params.max_bounces && !(counts && lit.lights.has_extended())) break;
 
     const float u_lobe = random.next();
     const std::optional<BsdfSample> s = sample(bsdf, wo, u_lobe, random.next2());
@@ -49,42 +49,37 @@ Rgb trace_scattered(const Intersector& intersector, const Lights& lights, const 
       break;
     }
 
-    Ray ray;
-    ray.origin = offset_origin(surface.p, surface.ng, s->wi, surface.reach_m);
-    ray.direction = s->wi;
-    ray.coverage_seed = random.next_u32();
-    const std::optional<Hit> hit = intersector.closest(ray);
+    const Ray ray = spawn_ray(surface, s->wi, random.next_u32());
+    const std::optional<Hit> hit = lit.intersector.closest(ray);
     if (!hit) {
       if (counts) {
-        radiance += throughput * lights.environment_radiance(s->wi) *
-                    environment_weight(lights, s->wi, s->pdf_solid_angle, params.strategy);
+        radiance += throughput * lit.lights.environment_radiance(s->wi) *
+                    environment_weight(lit.lights, s->wi, s->pdf_solid_angle, params.strategy);
       }
       break;
     }
     const V3f p = surface.p;
-    surface = make_surface(intersector.scene(), ray, *hit);
+    surface = make_surface(*lit.scene, ray, *hit);
     wo = -s->wi;
     if (counts && !is_black(surface.emission)) {
-      radiance += throughput * surface.emission * emission_weight(lights, p, *hit, s->pdf_solid_angle, params.strategy);
+      radiance +=
+          throughput * surface.emission * emission_weight(lit.lights, p, *hit, s->pdf_solid_angle, params.strategy);
     }
   }
   return radiance;
 }
 
-Rgb trace_path(const Intersector& intersector, const Lights& lights, const Ray& ray, const PathParams& params,
-               RandomStream& random) {
-  const std::optional<Hit> hit = intersector.closest(ray);
-  if (!hit) return params.indirect_only ? Rgb(0, 0, 0) : lights.environment_radiance(ray.direction);
-  const Surface surface = make_surface(intersector.scene(), ray, *hit);
+Rgb trace_path(const LitScene& lit, const Ray& ray, const PathParams& params, RandomStream& random) {
+  const std::optional<Hit> hit = lit.intersector.closest(ray);
+  if (!hit) return params.indirect_only ? Rgb(0, 0, 0) : lit.lights.environment_radiance(ray.direction);
+  const Surface surface = make_surface(*lit.scene, ray, *hit);
   const Rgb emission = params.indirect_only ? Rgb(0, 0, 0) : surface.emission;
-  return emission + trace_scattered(intersector, lights, surface, -ray.direction, params, random);
+  return emission + trace_scattered(lit, surface, -ray.direction, params, random);
 }
 
-Film render_path(const Intersector& intersector, const Lights& lights, const View& view, const RenderParams& render,
-                 const PathParams& params) {
-  return render_film(view, render, [&](const Ray& ray, RandomStream& random) {
-    return trace_path(intersector, lights, ray, params, random);
-  });
+Film render_path(const LitScene& lit, const View& view, const RenderParams& render, const PathParams& params) {
+  return render_film(view, render,
+                     [&](const Ray& ray, RandomStream& random) { return trace_path(lit, ray, params, random); });
 }
 
 }  // namespace ivory

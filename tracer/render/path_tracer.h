@@ -17,15 +17,14 @@ struct PathParams {
 };
 
 // One estimate of the radiance in nits that arrives at the ray's origin against its direction.
-Rgb trace_path(const Intersector& intersector, const Lights& lights, const Ray& ray, const PathParams& params,
-               RandomStream& random);
+Rgb trace_path(const LitScene& lit, const Ray& ray, const PathParams& params, RandomStream& random);
 
 // One estimate of the radiance in nits that `surface` scatters towards wo: its own emission does
 // not count, and for indirect_only it is the first surface seen.
-Rgb trace_scattered(const Intersector& intersector, const Lights& lights, const Surface& surface, const V3f& wo,
-                    const PathParams& params, RandomStream& random);
+Rgb trace_scattered(const LitScene& lit, const Surface& surface, const V3f& wo, const PathParams& params,
+                    RandomStream& random);
 
-Film render_path(const Intersector& intersector, const Lights& lights, const View& view, const RenderParams& render,
-                 const PathParams& params);
+// The picture of that; threads, seed and samples as in render_film(). Throws as that does.
+Film render_path(const LitScene& lit, const View& view, const RenderParams& render, const PathParams& params);
 
 }  // namespace ivory

@@ -118,8 +118,8 @@ class NearestAlike {
   std::vector<std::uint64_t> found_;
 };
 
-std::vector<PhotonArrival> trace(const Intersector& intersector, const Lights& lights, const PhotonMapParams& params) {
-  const PhotonTracer tracer(intersector, lights, {.max_bounces = params.max_bounces, .seed = params.seed});
+std::vector<PhotonArrival> trace(const LitScene& lit, const PhotonMapParams& params) {
+  const PhotonTracer tracer(lit, {.max_bounces = params.max_bounces, .seed = params.seed});
   const std::uint64_t batches = (params.photons + photons_a_batch - 1) / photons_a_batch;
   const auto trace_batch = [&](std::uint64_t batch) {
     std::vector<PhotonArrival> arrivals;
@@ -132,7 +132,7 @@ std::vector<PhotonArrival> trace(const Intersector& intersector, const Lights& l
   // The first batch tells how much room the others will take: twice while they are joined, and again while they are put
   // in order, by keys of 16 bytes.
   std::vector<PhotonArrival> first = trace_batch(0);
-  check_memory(intersector.scene().name,
+  check_memory(lit.scene->name,
                double(batches) * (double(first.size()) * (2 * sizeof(PhotonArrival) + 16) + sizeof first),
                "ask for fewer --photons");
   std::vector<std::vector<PhotonArrival>> arrivals(batches);
@@ -260,17 +260,15 @@ struct PhotonMap::State {
   std::unique_ptr<Tree> tree;
 };
 
-PhotonMap::PhotonMap(const Intersector& intersector, const Lights& lights, const PhotonMapParams& params)
-    : state_(std::make_unique<State>()) {
-  if (lights.empty())
-    throw Error(intersector.scene().name, "nothing in it shines", "add a light or an emissive material, or give --env");
+PhotonMap::PhotonMap(const LitScene& lit, const PhotonMapParams& params) : state_(std::make_unique<State>()) {
+  if (lit.lights.empty())
+    throw Error(lit.scene->name, "nothing in it shines", "add a light or an emissive material, or give --env");
   tbb::task_arena arena(params.threads > 0 ? params.threads : tbb::task_arena::automatic);
   arena.execute([&] {
     State& state = *state_;
-    const float reach = reach_radii * intersector.radius_m();
+    const float reach = reach_radii * lit.intersector.radius_m();
     state.reach_squared = reach * reach;
-    const Photons photons =
-        put_in_order(trace(intersector, lights, params), intersector.center(), intersector.radius_m());
+    const Photons photons = put_in_order(trace(lit, params), lit.intersector.center(), lit.intersector.radius_m());
     state.photons_stored = photons.cloud.places.size();
     state.estimates = places_of_estimates(photons);
     // nanoflann builds a tree on one thread.

@@ -7,8 +7,7 @@
 #include <functional>
 #include <memory>
 
-#include "tracer/core/intersector.h"
-#include "tracer/lights/lights.h"
+#include "tracer/core/lit_scene.h"
 
 namespace ivory {
 
@@ -26,18 +25,18 @@ struct PhotonMapParams {
 class PhotonMap {
  public:
   // Throws Error where nothing shines or where memory would not suffice.
-  PhotonMap(const Intersector& intersector, const Lights& lights, const PhotonMapParams& params);
+  PhotonMap(const LitScene& lit, const PhotonMapParams& params);
   ~PhotonMap();
   PhotonMap(PhotonMap&&) noexcept;
   PhotonMap& operator=(PhotonMap&&) noexcept;
 
-  // E in lux on the side of unit n at p: that of the nearest estimate on a surface that faces alike, black where
-  // there is none within reach.
+  // E in lux per channel at world point p on the side of unit n: that of the nearest estimate on a surface that faces
+  // the same way; black where none is near.
   Rgb irradiance(const V3f& p, const V3f& n) const;
 
   std::size_t photons_stored() const;
-  std::size_t estimates() const;
-  std::size_t bytes() const;  // of what irradiance() reads: estimates and their tree
+  std::size_t estimates() const;  // points with a precomputed irradiance
+  std::size_t bytes() const;      // of what irradiance() reads: estimates and their tree
 
  private:
   struct State;

@@ -38,17 +38,16 @@ PhotonLedger& PhotonLedger::operator+=(const PhotonLedger& other) {
   return *this;
 }
 
-PhotonTracer::PhotonTracer(const Intersector& intersector, const Lights& lights, const PhotonParams& params)
-    : intersector_(intersector), lights_(lights), params_(params) {
+PhotonTracer::PhotonTracer(const LitScene& lit, const PhotonParams& params) : lit_(lit), params_(params) {
   // A photon carries about the total power; 2^-20 of it leaves 2^40 photons to the integers.
-  const Rgb power = lights.total_power_lm();
+  const Rgb power = lit.lights.total_power_lm();
   ledger_unit_lm_ = std::max(double(power.x) + power.y + power.z, 1e-30) * 0x1p-20;
 }
 
 template <typename OnSegment, typename OnArrival>
 void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLedger& ledger, const OnSegment& segment,
                                const OnArrival& arrival) const {
-  const Scene& scene = intersector_.scene();
+  const Scene& scene = *lit_.scene;
   const double units_a_lm = 1 / ledger_unit_lm_;
   const auto units = [&](const Rgb& power) {
     return static_cast<std::int64_t>((double(power.x) + double(power.y) + double(power.z)) * units_a_lm + 0.5);
@@ -56,7 +55,7 @@ void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLed
 
   for (std::uint64_t index = begin; index < end; ++index) {
     RandomStream random(params_.seed, StreamPurpose::photon, index);
-    const EmittedPhoton photon = lights_.emit(random);
+    const EmittedPhoton photon = lit_.lights.emit(random);
     Ray ray{.origin = photon.origin, .direction = photon.direction};
     Rgb power = photon.power;
     std::int64_t carried = units(power);
@@ -65,9 +64,9 @@ void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLed
     if (is_black(power)) continue;
 
     for (int bounce = 0;; ++bounce) {
-      if (intersector_.has_coverage()) ray.coverage_seed = random.next_u32();
+      if (lit_.intersector.has_coverage()) ray.coverage_seed = random.next_u32();
       const float jitter = random.next();
-      const std::optional<Hit> hit = intersector_.closest(ray);
+      const std::optional<Hit> hit = lit_.intersector.closest(ray);
       ++ledger.rays;
       const bool counts = bounce > 0 || params_.include_direct;
       if (counts) segment(ray, hit, power, jitter);
@@ -84,8 +83,7 @@ void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLed
 
       const Bsdf bsdf = make_bsdf(surface);
       const V3f wo = -ray.direction;
-      const bool lambertian = is_black(bsdf.f0) && is_black(bsdf.f90);
-      const float u_lobe = lambertian ? 0.0F : random.next();
+      const float u_lobe = is_lambertian(bsdf) ? 0.0F : random.next();
       const float u_survive = random.next();
       const std::optional<BsdfSample> scattered = sample(bsdf, wo, u_lobe, random.next2());
       if (!scattered) {
@@ -104,8 +102,7 @@ void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLed
       const std::int64_t left = units(power);
       ledger.absorbed += carried - left;
       carried = left;
-      ray.origin = offset_origin(surface.p, surface.ng, scattered->wi, surface.reach_m);
-      ray.direction = scattered->wi;
+      ray = spawn_ray(surface, scattered->wi);
     }
   }
 }

@@ -4,8 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "tracer/core/intersector.h"
-#include "tracer/lights/lights.h"
+#include "tracer/core/lit_scene.h"
 
 namespace ivory {
 
@@ -44,8 +43,8 @@ struct PhotonLedger {
 
 class PhotonTracer {
  public:
-  // All must outlive this object.
-  PhotonTracer(const Intersector& intersector, const Lights& lights, const PhotonParams& params);
+  // `lit` must outlive this object.
+  PhotonTracer(const LitScene& lit, const PhotonParams& params);
 
   // Traces photons [begin, end) and appends their segments, photon by photon.
   void trace(std::uint64_t begin, std::uint64_t end, std::vector<PhotonSegment>& segments, PhotonLedger& ledger) const;
@@ -54,6 +53,7 @@ class PhotonTracer {
   void trace_arrivals(std::uint64_t begin, std::uint64_t end, std::vector<PhotonArrival>& arrivals,
                       PhotonLedger& ledger) const;
 
+  // Lumen that one unit of a PhotonLedger stands for.
   double ledger_unit_lm() const { return ledger_unit_lm_; }
 
  private:
@@ -62,8 +62,7 @@ class PhotonTracer {
   void trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLedger& ledger, const OnSegment& segment,
                    const OnArrival& arrival) const;
 
-  const Intersector& intersector_;
-  const Lights& lights_;
+  const LitScene& lit_;
   PhotonParams params_;
   double ledger_unit_lm_;
 };

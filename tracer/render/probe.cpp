@@ -16,8 +16,7 @@ namespace {
 
 // A white Lambertian surface scatters L = E/pi, so E is pi times what a path from it brings. Such a
 // surface adds one bounce of its own.
-ProbeResult probe_point(const Intersector& intersector, const Lights& lights, const ProbePoint& point,
-                        const ProbeParams& params, std::uint64_t index) {
+ProbeResult probe_point(const LitScene& lit, const ProbePoint& point, const ProbeParams& params, std::uint64_t index) {
   Surface white;
   white.p = point.p;
   white.ng = point.n;
@@ -26,7 +25,7 @@ ProbeResult probe_point(const Intersector& intersector, const Lights& lights, co
   white.specular_f0 = Rgb(0, 0, 0);
   white.specular_f90 = Rgb(0, 0, 0);
   white.emission = Rgb(0, 0, 0);
-  white.reach_m = own_surface_reach_m(intersector, point.p, point.n);
+  white.reach_m = own_surface_reach_m(lit.intersector, point.p, point.n);
 
   PathParams path;
   path.max_bounces = params.max_bounces + 1;
@@ -38,7 +37,7 @@ ProbeResult probe_point(const Intersector& intersector, const Lights& lights, co
   double mean[3] = {0, 0, 0};
   double deviations[3] = {0, 0, 0};
   for (int i = 0; i < params.samples; ++i) {
-    const Rgb e = trace_scattered(intersector, lights, white, point.n, path, random) * pi;
+    const Rgb e = trace_scattered(lit, white, point.n, path, random) * pi;
     for (int c = 0; c < 3; ++c) {
       const double delta = double(e[c]) - mean[c];
       mean[c] += delta / (i + 1);
@@ -56,16 +55,15 @@ ProbeResult probe_point(const Intersector& intersector, const Lights& lights, co
 
 }  // namespace
 
-std::vector<ProbeResult> probe_scene([[maybe_unused]] const Scene& scene, const Intersector& intersector,
-                                     const Lights& lights, const std::vector<ProbePoint>& points,
+std::vector<ProbeResult> probe_scene(const LitScene& lit, const std::vector<ProbePoint>& points,
                                      const ProbeParams& params) {
-  assert(&scene == &intersector.scene());
+  assert(&scene == &*lit.scene);
   std::vector<ProbeResult> results(points.size());
   std::atomic<std::size_t> done{0};
   tbb::task_arena arena(params.threads > 0 ? params.threads : tbb::task_arena::automatic);
   arena.execute([&] {
     tbb::parallel_for(std::size_t(0), points.size(), [&](std::size_t i) {
-      results[i] = probe_point(intersector, lights, points[i], params, i);
+      results[i] = probe_point(lit, points[i], params, i);
       const std::size_t finished = ++done;
       if (params.progress) params.progress(double(finished) / double(points.size()));
     });

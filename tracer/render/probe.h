@@ -31,7 +31,7 @@ struct ProbeResult {
 // E(p, n), including light that comes straight from its source unless indirect_only. A point may lie on a
 // surface: rays start a little above it, on the side of n. Samples are independent, so that the
 // standard error holds; results do not depend on threads.
-std::vector<ProbeResult> probe_scene(const Scene& scene, const Intersector& intersector, const Lights& lights,
-                                     const std::vector<ProbePoint>& points, const ProbeParams& params);
+std::vector<ProbeResult> probe_scene(const LitScene& lit, const std::vector<ProbePoint>& points,
+                                     const ProbeParams& params);
 
 }  // namespace ivory

@@ -19,18 +19,6 @@ namespace {
 constexpr int batches = 64;
 constexpr double z_limit = 5;
 
-// A scene with its acceleration structure and lights, kept together.
-struct World {
-  std::unique_ptr<Scene> scene;
-  std::unique_ptr<Intersector> intersector;
-  std::unique_ptr<Lights> lights;
-
-  explicit World(Scene&& described) : scene(std::make_unique<Scene>(std::move(described))) {
-    intersector = std::make_unique<Intersector>(*scene);
-    lights = std::make_unique<Lights>(*scene, *intersector);
-  }
-};
-
 Material lambert(float albedo, float emission = 0) {
   Material m;
   m.base_color = Rgb(albedo, albedo, albedo);
@@ -63,22 +51,22 @@ Mesh inward_box() {
   return mesh;
 }
 
-World closed_world(Mesh mesh, const Material& material, std::vector<PunctualLight> lights) {
+LitScene closed_world(Mesh mesh, const Material& material, std::vector<PunctualLight> lights) {
   Scene scene;
   scene.name = "closed world";
   scene.materials.push_back(material);
   scene.meshes.push_back(std::move(mesh));
   scene.instances.push_back({0, M44f()});
   scene.lights = std::move(lights);
-  return World(std::move(scene));
+  return make_lit_scene(std::move(scene));
 }
 
-World open_world(std::optional<EnvironmentMap> environment, std::vector<PunctualLight> lights) {
+LitScene open_world(std::optional<EnvironmentMap> environment, std::vector<PunctualLight> lights) {
   Scene scene;
   scene.name = "open world";
   scene.environment = std::move(environment);
   scene.lights = std::move(lights);
-  return World(std::move(scene));
+  return make_lit_scene(std::move(scene));
 }
 
 EnvironmentMap uniform_environment(float radiance) {
@@ -99,12 +87,12 @@ struct Comparison {
   double mean_ratio = 0;  // of measured to true, over components that are not zero
 };
 
-Comparison compare(const World& world, GridBakeParams params, std::uint64_t photons, const Truth& truth) {
+Comparison compare(const LitScene& world, GridBakeParams params, std::uint64_t photons, const Truth& truth) {
   params.photons = photons;
   std::vector<IrradianceGrid> grids;
   for (std::uint64_t b = 0; b < batches; ++b) {
     params.photon_range = {photons * b / batches, photons * (b + 1) / batches};
-    grids.push_back(resolve(bake_grid_sums(*world.intersector, *world.lights, params)));
+    grids.push_back(resolve(bake_grid_sums(world, params)));
   }
   Comparison out;
   int ratios = 0;
@@ -176,7 +164,7 @@ GridBakeParams params_of(Estimator estimator, const GridFrame& frame) {
 }
 
 TEST_P(ClosedForm, UniformEnvironment) {
-  const World world = open_world(uniform_environment(2), {});
+  const LitScene world = open_world(uniform_environment(2), {});
   GridBakeParams params = params_of(GetParam(), centred_frame(2, 0.8F));
   params.include_direct = true;
   const Comparison c = compare(world, params, 400'000, [](const V3f&) { return uniform_vectors(Rgb(2, 1, 0.5F)); });
@@ -185,7 +173,7 @@ TEST_P(ClosedForm, UniformEnvironment) {
 
 TEST_P(ClosedForm, OneDirectionalLight) {
   const V3f travel = V3f(0.3F, -0.8F, 0.4F).normalized();
-  const World world = open_world({}, {DirectionalLight{travel, Rgb(3, 2, 1)}});
+  const LitScene world = open_world({}, {DirectionalLight{travel, Rgb(3, 2, 1)}});
   GridBakeParams params = params_of(GetParam(), centred_frame(2, 0.8F));
   params.include_direct = true;
   const Comparison c =
@@ -197,7 +185,7 @@ TEST_P(ClosedForm, OneDirectionalLight) {
 // integrated here by a fine midpoint rule.
 TEST_P(ClosedForm, PointLight) {
   const V3d light(-2, 0.3, 0.1);
-  const World world = open_world({}, {PointLight{V3f(light), Rgb(5, 5, 5)}});
+  const LitScene world = open_world({}, {PointLight{V3f(light), Rgb(5, 5, 5)}});
   const GridFrame frame = centred_frame(2, 0.8F);
   GridBakeParams params = params_of(GetParam(), frame);
   params.include_direct = true;
@@ -245,8 +233,8 @@ TEST_P(ClosedForm, IntegratingSphere) {
                 .cross(V3d(sphere.positions[t.z]) - V3d(sphere.positions[t.x]))
                 .length() /
             2;
-  const World world = closed_world(std::move(sphere), lambert(float(albedo)),
-                                   {PointLight{V3f(0, 0, 0), Rgb(intensity, intensity, intensity)}});
+  const LitScene world = closed_world(std::move(sphere), lambert(float(albedo)),
+                                      {PointLight{V3f(0, 0, 0), Rgb(intensity, intensity, intensity)}});
   const double e = flux / area * albedo / (1 - albedo);
   const auto radiance = float(e / double(pi));
   GridBakeParams params = params_of(GetParam(), centred_frame(2, 0.8F));
@@ -260,7 +248,7 @@ TEST_P(ClosedForm, IntegratingSphere) {
 
 // L = L_e / (1 - rho); with direct light included the grid holds all of it.
 TEST_P(ClosedForm, Furnace) {
-  const World world = closed_world(inward_box(), lambert(0.6F, 1.0F), {});
+  const LitScene world = closed_world(inward_box(), lambert(0.6F, 1.0F), {});
   GridBakeParams params = params_of(GetParam(), centred_frame(2, 1.2F));
   params.include_direct = true;
   const Comparison c =
@@ -269,14 +257,14 @@ TEST_P(ClosedForm, Furnace) {
 }
 
 TEST_P(ClosedForm, EnergyLedger) {
-  const World world = open_world(uniform_environment(1), {});
-  const World box = closed_world(inward_box(), lambert(0.6F, 1.0F), {});
-  for (const World* w : {&world, &box}) {
+  const LitScene world = open_world(uniform_environment(1), {});
+  const LitScene box = closed_world(inward_box(), lambert(0.6F, 1.0F), {});
+  for (const LitScene* w : {&world, &box}) {
     for (const int bounces : {3, 1000}) {
       GridBakeParams params = params_of(GetParam(), centred_frame(2, 0.8F));
       params.photons = 20'000;
       params.max_bounces = bounces;
-      const GridAccumulator sums = bake_grid_sums(*w->intersector, *w->lights, params);
+      const GridAccumulator sums = bake_grid_sums(*w, params);
       const auto& c = sums.counters;
       EXPECT_EQ(c.at("ledger_emitted"), c.at("ledger_absorbed") + c.at("ledger_escaped") + c.at("ledger_terminated"));
       EXPECT_GT(c.at("ledger_emitted"), 0);
@@ -292,7 +280,7 @@ TEST_P(ClosedForm, EnergyLedger) {
 // RR-6983's estimator as printed measures int L |cos| w instead of int L w: for uniform light
 // 2/3 of the true value, for one directional light |w.delta| of it.
 TEST(FacePaper, MissesByThePredictedFactor) {
-  const World uniform = open_world(uniform_environment(2), {});
+  const LitScene uniform = open_world(uniform_environment(2), {});
   GridBakeParams params = params_of(Estimator::face_paper, centred_frame(2, 0.8F));
   params.include_direct = true;
   const Comparison predicted =
@@ -304,7 +292,7 @@ TEST(FacePaper, MissesByThePredictedFactor) {
   EXPECT_NEAR(true_value.mean_ratio, 2.0 / 3, 0.01);
 
   const V3f travel = V3f(0.3F, -0.8F, 0.4F).normalized();
-  const World sun = open_world({}, {DirectionalLight{travel, Rgb(3, 2, 1)}});
+  const LitScene sun = open_world({}, {DirectionalLight{travel, Rgb(3, 2, 1)}});
   const Comparison oblique = compare(sun, params, 200'000, [&](const V3f&) {
     auto vectors = directional_vectors(V3d(-travel), Rgb(3, 2, 1));
     std::array<float, 54> measured{};

@@ -11,13 +11,6 @@
 namespace ivory {
 namespace {
 
-struct Traced {
-  Scene scene;
-  Intersector intersector;
-  Lights lights;
-  explicit Traced(Scene s) : scene(std::move(s)), intersector(scene), lights(scene, intersector) {}
-};
-
 // A box of 2 x 3 x 4 m, turned and moved.
 M44f turned() {
   M44f m;
@@ -52,12 +45,12 @@ V3f random_unit(std::mt19937& random) {
 TEST(CubeCapture, ClosedBoxGivesPiAtEveryPoint) {
   std::mt19937 random(1);
   for (const M44f& to_world : {M44f(), turned()}) {
-    const Traced box(glowing_box(Rgb(0, 0, 0), to_world));
+    const LitScene box = make_lit_scene(glowing_box(Rgb(0, 0, 0), to_world));
     for (int trial = 0; trial < 4; ++trial) {
       CaptureParams params;
       params.size = 32;
       params.samples = 1;
-      const Capture capture = capture_cube(box.intersector, box.lights, random_point(random) * to_world, params);
+      const Capture capture = capture_cube(box, random_point(random) * to_world, params);
       EXPECT_EQ(capture.sky_share, 0);
       EXPECT_EQ(capture.back_share, 0);
       for (const int size : {2, 4, 8}) {
@@ -74,12 +67,12 @@ TEST(CubeCapture, ClosedBoxGivesPiAtEveryPoint) {
 
 TEST(CubeCapture, DistancesAreToTheWalls) {
   const M44f to_world = turned();
-  const Traced box(glowing_box(Rgb(0, 0, 0), to_world));
+  const LitScene box = make_lit_scene(glowing_box(Rgb(0, 0, 0), to_world));
   const V3f local(0.3F, -0.4F, 1.2F);
   CaptureParams params;
   params.size = 16;
   params.samples = 1;
-  const Capture capture = capture_cube(box.intersector, box.lights, local * to_world, params);
+  const Capture capture = capture_cube(box, local * to_world, params);
   const M44f to_local = to_world.inverse();
   std::size_t i = 0;
   for (int face = 0; face < cube_faces; ++face) {
@@ -105,12 +98,12 @@ TEST(CubeCapture, AgreesWithPathTracingAtTheReferencePoint) {
   // Light from the sky comes through the wall that was taken out.
   Mesh& room = scene.meshes[0];
   room.triangles.erase(room.triangles.begin() + 8, room.triangles.begin() + 10);
-  const Traced traced(std::move(scene));
+  const LitScene traced = make_lit_scene(std::move(scene));
   const V3f at(0.2F, 0.1F, -0.3F);
   CaptureParams params;
   params.size = 64;
   params.samples = 16;
-  const Capture capture = capture_cube(traced.intersector, traced.lights, at, params);
+  const Capture capture = capture_cube(traced, at, params);
   EXPECT_GT(capture.sky_share, 0.05);
   EXPECT_LT(capture.sky_share, 0.3);
   const LocalizedCube cube = localize(capture.cube, 32);
@@ -119,7 +112,7 @@ TEST(CubeCapture, AgreesWithPathTracingAtTheReferencePoint) {
     points.push_back({at, n});
   ProbeParams probe;
   probe.samples = 20000;
-  const auto truth = probe_scene(traced.scene, traced.intersector, traced.lights, points, probe);
+  const auto truth = probe_scene(traced, points, probe);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Rgb e = irradiance(cube, CubeMethod::polygon, at, points[i].n);
     for (int c = 0; c < 3; ++c) {
@@ -134,11 +127,11 @@ TEST(CubeCapture, PunctualLightsAreSeenByWhatTheyLight) {
   Scene scene;
   add_mesh(scene, make_room(V3f(-1, -1, -1), V3f(1, 1, 1), add_lambert(scene, Rgb(0.5F, 0.5F, 0.5F))));
   scene.lights.push_back(PointLight{V3f(0, 0, 0), Rgb(1, 1, 1)});
-  const Traced traced(std::move(scene));
+  const LitScene traced = make_lit_scene(std::move(scene));
   CaptureParams params;
   params.size = 32;
   params.samples = 64;
-  const Capture capture = capture_cube(traced.intersector, traced.lights, V3f(0.1F, 0.2F, -0.3F), params);
+  const Capture capture = capture_cube(traced, V3f(0.1F, 0.2F, -0.3F), params);
   // Flux 4 pi reaches the walls, on average 4 pi / 24 lux, and 1 / (1 - albedo) times in the end: the mean radiosity is
   // 0.5 / 0.5 4 pi / 24, all of it diffuse. The mean over directions from near the middle is close to that over
   // area: within a fifth.
@@ -150,13 +143,13 @@ TEST(CubeCapture, PunctualLightsAreSeenByWhatTheyLight) {
 
 TEST(CubeCapture, KnowsSolidsFromRooms) {
   Scene scene = small_room();
-  const Traced traced(std::move(scene));
+  const LitScene traced = make_lit_scene(std::move(scene));
   CaptureParams params;
   params.size = 8;
   params.samples = 1;
-  EXPECT_EQ(capture_cube(traced.intersector, traced.lights, V3f(0, 0, 0), params).back_share, 0);
+  EXPECT_EQ(capture_cube(traced, V3f(0, 0, 0), params).back_share, 0);
   // In the box that stands in the room.
-  EXPECT_GT(capture_cube(traced.intersector, traced.lights, V3f(0.3F, -0.6F, 0), params).back_share, 0.99);
+  EXPECT_GT(capture_cube(traced, V3f(0.3F, -0.6F, 0), params).back_share, 0.99);
 }
 
 }  // namespace

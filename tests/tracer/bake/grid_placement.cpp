@@ -30,8 +30,7 @@ GridBakeParams small_bake(std::uint64_t seed) {
 }
 
 GridAccumulator bake(const Scene& scene, const GridBakeParams& params) {
-  const Intersector intersector(scene);
-  return bake_grid_sums(intersector, Lights(scene, intersector), params);
+  return bake_grid_sums(make_lit_scene(scene), params);
 }
 
 double squares(const IrradianceGrid& a, const IrradianceGrid& b) {
@@ -91,19 +90,18 @@ TEST(GridThreads, AreAsManyAsMemoryHolds) {
   const Scene scene = small_room();
   GridBakeParams params = small_bake(1);
   const GridFrame frame = default_frame(scene, params);
-  const Intersector intersector(scene);
-  const Lights lights(scene, intersector);
+  const LitScene lit = make_lit_scene(scene);
   const GridAccumulator free = bake(scene, params);
   params.threads = 1000;
   params.max_memory_bytes = 2'000'000;  // 1000 threads would need 200 MB
-  const int threads = affordable_threads(scene, lights, frame, params);
+  const int threads = affordable_threads(lit, frame, params);
   EXPECT_GE(threads, 1);
   EXPECT_LT(threads, 20);
   const GridAccumulator bound = bake(scene, params);
   EXPECT_EQ(bound.sums, free.sums);
   EXPECT_EQ(bound.counters, free.counters);
   params.max_memory_bytes = 100'000;
-  EXPECT_THROW(affordable_threads(scene, lights, frame, params), Error);
+  EXPECT_THROW(affordable_threads(lit, frame, params), Error);
   EXPECT_THROW(bake(scene, params), Error);
 }
 

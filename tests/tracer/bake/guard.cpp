@@ -38,27 +38,22 @@ std::vector<SurfacePoint> read_points(const std::string& name) {
 }
 
 struct Baked {
-  Scene scene;
-  std::unique_ptr<Intersector> intersector;
-  std::unique_ptr<Lights> lights;
+  LitScene lit;
 
-  explicit Baked(const std::string& name) : scene(load_gltf(scene_path(name)).scene) {
-    intersector = std::make_unique<Intersector>(scene);
-    lights = std::make_unique<Lights>(scene, *intersector);
-  }
+  explicit Baked(const std::string& name) : lit(make_lit_scene(load_gltf(scene_path(name)).scene)) {}
   IrradianceGrid bake(int long_side, Basis basis, Guard guard, std::uint64_t photons) const {
     GridBakeParams params;
-    const V3f size = bounds(scene).size();
+    const V3f size = bounds(*lit.scene).size();
     params.voxel_size_m = std::max({size.x, size.y, size.z}) / float(long_side);
     params.basis = basis;
     params.guard = guard;
     params.photons = photons;
-    return resolve(bake_grid_sums(*intersector, *lights, params));
+    return resolve(bake_grid_sums(lit, params));
   }
   double mean_irradiance(const IrradianceGrid& grid, Guard guard, const std::vector<SurfacePoint>& points) const {
     double sum = 0;
     for (const SurfacePoint& at : points)
-      sum += double(lookup_irradiance(grid, intersector.get(), guard, at.p, at.n, at.n, {}).x);
+      sum += double(lookup_irradiance(grid, &lit.intersector, guard, at.p, at.n, at.n, {}).x);
     return sum / double(points.size());
   }
 };
@@ -107,7 +102,7 @@ TEST_P(FurnishedRoom, GuardsMakeTheGridAccurate) {
   ProbeParams truth_params;
   truth_params.samples = 1024;
   truth_params.indirect_only = true;
-  const auto truth = probe_scene(baked.scene, *baked.intersector, *baked.lights, probes, truth_params);
+  const auto truth = probe_scene(baked.lit, probes, truth_params);
   double least = 1e30;
   double most = 0;
   double noise = 0;
@@ -123,8 +118,8 @@ TEST_P(FurnishedRoom, GuardsMakeTheGridAccurate) {
     double sum = 0;
     for (std::size_t i = 0; i < probes.size(); ++i) {
       const ProbePoint& at = probes[i];
-      const double e = double(lookup_irradiance(grid, baked.intersector.get(), guard, at.p, at.n, at.n, {}).x) -
-                       double(truth[i].e.x);
+      const double e =
+          double(lookup_irradiance(grid, &baked.lit.intersector, guard, at.p, at.n, at.n, {}).x) - double(truth[i].e.x);
       sum += e * e / double(probes.size());
     }
     return std::sqrt(std::max(0.0, sum - noise)) / (most - least);
@@ -151,7 +146,7 @@ TEST(Variance, PredictsTheSpreadOfBakes) {
     params.photons = 30'000;
     params.seed = std::uint64_t(seed + 1);
     params.guard = Guard::off;
-    grids.push_back(resolve(bake_grid_sums(*baked.intersector, *baked.lights, params)));
+    grids.push_back(resolve(bake_grid_sums(baked.lit, params)));
   }
   double predicted = 0;
   double measured = 0;

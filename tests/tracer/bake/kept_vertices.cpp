@@ -59,16 +59,14 @@ TEST(KeptVertices, BandAroundATiltedSquare) {
 }
 
 TEST(KeptVertices, SurfacesReadTheSame) {
-  const Scene scene = tilted_square();
-  const Intersector intersector(scene);
-  const Lights lights(scene, intersector);
+  const LitScene lit = make_lit_scene(tilted_square());
   GridBakeParams params;
   params.resolution = V3i(20, 20, 20);
   params.photons = 20'000;
   params.include_direct = true;
-  const IrradianceGrid full = resolve(bake_grid_sums(intersector, lights, params));
+  const IrradianceGrid full = resolve(bake_grid_sums(lit, params));
   params.dynamic_regions.emplace();
-  const IrradianceGrid sparse = resolve(bake_grid_sums(intersector, lights, params));
+  const IrradianceGrid sparse = resolve(bake_grid_sums(lit, params));
   const V3f n = V3f(0, 2, -1).normalized();
   for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::tricubic}) {
     LookupParams lookup;
@@ -77,8 +75,8 @@ TEST(KeptVertices, SurfacesReadTheSame) {
       for (int i = 0; i < 50; ++i) {
         const float s = 0.02F * float(i);
         const V3f p(-1 + 2 * s, -0.5F + s, -1 + 2 * s);
-        EXPECT_EQ(lookup_irradiance(full, &intersector, guard, p, n, n, lookup),
-                  lookup_irradiance(sparse, &intersector, guard, p, n, n, lookup));
+        EXPECT_EQ(lookup_irradiance(full, &lit.intersector, guard, p, n, n, lookup),
+                  lookup_irradiance(sparse, &lit.intersector, guard, p, n, n, lookup));
       }
     }
   }

@@ -32,13 +32,6 @@ Scene sun_and_room(bool sun, const Rgb& emission_nits) {
   return scene;
 }
 
-struct World {
-  Scene scene;
-  Intersector intersector;
-  Lights lights;
-  explicit World(Scene s) : scene(std::move(s)), intersector(scene), lights(scene, intersector) {}
-};
-
 GridBakeParams params_at(const V3f& center, float side_m, std::uint64_t photons) {
   GridBakeParams params;
   GridFrame frame;
@@ -58,11 +51,11 @@ struct Measured {
   std::array<Accumulator, 3> variance;
 };
 
-Measured measure(const World& world, GridBakeParams params, int seeds) {
+Measured measure(const LitScene& world, GridBakeParams params, int seeds) {
   Measured m;
   for (int seed = 1; seed <= seeds; ++seed) {
     params.seed = std::uint64_t(seed);
-    const IrradianceGrid grid = resolve(bake_grid_sums(world.intersector, world.lights, params));
+    const IrradianceGrid grid = resolve(bake_grid_sums(world, params));
     const auto vectors = hemispheres_from_moments(std::span<const float, 36>(grid.at(0), 36));
     for (unsigned c = 0; c < 3; ++c) {
       m.up[c].add(double(vectors[9 * 2 + 3 + c]));
@@ -76,7 +69,7 @@ Measured measure(const World& world, GridBakeParams params, int seeds) {
 const Rgb dim(1, 0.5F, 0.1F);
 
 TEST(WeakLights, ARoomInAHouseUnderTheSunGetsItsLight) {
-  const World world(sun_and_room(true, dim));
+  const LitScene world = make_lit_scene(sun_and_room(true, dim));
   EXPECT_EQ(fine_bits(world.lights.photon_power()), 12);
   constexpr std::uint64_t photons = 100'000;
   const Measured inside = measure(world, params_at(V3f(0, 0, 0), 1.2F, photons), 24);
@@ -90,7 +83,7 @@ TEST(WeakLights, ARoomInAHouseUnderTheSunGetsItsLight) {
 }
 
 TEST(WeakLights, TheSunIsNoWorseForIt) {
-  const World world(sun_and_room(true, dim));
+  const LitScene world = make_lit_scene(sun_and_room(true, dim));
   const Measured outside = measure(world, params_at(V3f(-20, 8, 10), 12, 100'000), 24);
   // The vector over the hemisphere about +y is E w. All of the region lies above the room, whose walls therefore do
   // not add to it.
@@ -101,9 +94,9 @@ TEST(WeakLights, TheSunIsNoWorseForIt) {
 TEST(WeakLights, BakesOfBothAreTheSumOfBakesOfEach) {
   // Bright enough for the second moments, too, to be counted well: 1e-4 of the sun's power.
   const Rgb bright(1000, 500, 100);
-  const World both(sun_and_room(true, bright));
-  const World sun(sun_and_room(true, Rgb(0, 0, 0)));
-  const World room(sun_and_room(false, bright));
+  const LitScene both = make_lit_scene(sun_and_room(true, bright));
+  const LitScene sun = make_lit_scene(sun_and_room(true, Rgb(0, 0, 0)));
+  const LitScene room = make_lit_scene(sun_and_room(false, bright));
   EXPECT_EQ(fine_bits(both.lights.photon_power()), 12);
   EXPECT_EQ(fine_bits(sun.lights.photon_power()), 0);
   EXPECT_EQ(fine_bits(room.lights.photon_power()), 0);
@@ -131,15 +124,15 @@ TEST(WeakLights, BakesOfBothAreTheSumOfBakesOfEach) {
 }
 
 TEST(WeakLights, PartsMergeToTheSameBits) {
-  const World world(sun_and_room(true, dim));
+  const LitScene world = make_lit_scene(sun_and_room(true, dim));
   GridBakeParams params = params_at(V3f(0, 0, 0), 1.2F, 20'000);
   params.threads = 1;
-  const GridAccumulator whole = bake_grid_sums(world.intersector, world.lights, params);
+  const GridAccumulator whole = bake_grid_sums(world, params);
   params.threads = 2;
   std::vector<GridAccumulator> parts;
   for (const auto& range : {std::pair<std::uint64_t, std::uint64_t>{0, 7001}, {7001, 20'000}}) {
     params.photon_range = range;
-    parts.push_back(bake_grid_sums(world.intersector, world.lights, params));
+    parts.push_back(bake_grid_sums(world, params));
   }
   EXPECT_EQ(merge(std::move(parts), {"a", "b"}).sums, whole.sums);
 }

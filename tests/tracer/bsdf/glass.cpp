@@ -60,11 +60,11 @@ double window_irradiance(const V3d& p) {
 TEST(Glass, LetsTheSkyIntoARoomForPaths) {
   Scene scene = dark_room();
   scene.environment = uniform_environment({1, 2, 3});
-  const LitScene lit(std::move(scene));
+  const LitScene lit = make_lit_scene(std::move(scene));
   ProbeParams params;
   params.samples = 100000;
   for (const V3f& p : {V3f(0, 0, -0.9F), V3f(0.4F, -0.2F, 0.2F)}) {
-    const ProbeResult result = probe_scene(lit.scene, lit.intersector, lit.lights, {{p, V3f(0, 0, 1)}}, params)[0];
+    const ProbeResult result = probe_scene(lit, {{p, V3f(0, 0, 1)}}, params)[0];
     const double truth = 2 * double(transmission) * window_irradiance(V3d(p));
     EXPECT_LT(std::abs(double(result.e.y) - truth), z_limit * double(result.standard_error.y)) << p.z << " " << truth;
     // Four standard errors tell glass from a hole.
@@ -76,7 +76,7 @@ TEST(Glass, LetsTheSkyIntoARoomForPaths) {
 TEST(Glass, LetsTheSkyIntoARoomForPhotons) {
   Scene scene = dark_room();
   scene.environment = uniform_environment({1, 2, 3});
-  const LitScene lit(std::move(scene));
+  const LitScene lit = make_lit_scene(std::move(scene));
   constexpr float side_m = 0.8F;
   Accumulator photons;
   for (std::uint64_t seed = 1; seed <= 24; ++seed) {
@@ -90,7 +90,7 @@ TEST(Glass, LetsTheSkyIntoARoomForPhotons) {
     params.guard = Guard::off;
     params.include_direct = true;
     params.seed = seed;
-    const IrradianceGrid grid = resolve(bake_grid_sums(lit.intersector, lit.lights, params));
+    const IrradianceGrid grid = resolve(bake_grid_sums(lit, params));
     double mean = 0;
     for (std::size_t vertex = 0; vertex < 8; ++vertex) mean += double(grid.at(vertex)[2 * 3 + 1]) / 8;
     photons.add(mean);
@@ -112,7 +112,7 @@ TEST(Glass, DimsTheSunAndTheViewAlike) {
   scene.lights.emplace_back(DirectionalLight{V3f(0, 0.1F, -1).normalized(), Rgb(10, 10, 10)});
   scene.environment = uniform_environment({0, 0, 0});
   scene.environment->radiance.assign(scene.environment->radiance.size(), Rgb(0.5F, 0.5F, 0.5F));
-  const LitScene lit(std::move(scene));
+  const LitScene lit = make_lit_scene(std::move(scene));
   // Shadow rays are dimmed, not stopped by chance: exact to rounding.
   EXPECT_NEAR(lit.intersector.transmittance(ray_to({0, 0, 0}, {0.1F, 0, 1})), transmission, 1e-6F);
   EXPECT_EQ(lit.intersector.transmittance(ray_to({0, 0, 0}, {0.8F, 0, 1})), 0);
@@ -120,7 +120,7 @@ TEST(Glass, DimsTheSunAndTheViewAlike) {
   const Accumulator seen = collect(100000, [&](RandomStream& random) {
     Ray ray = ray_to({0, 0, 0}, {0.1F, 0.2F, 1});
     ray.coverage_seed = random.next_u32();
-    return trace_path(lit.intersector, lit.lights, ray, {}, random);
+    return trace_path(lit, ray, {}, random);
   });
   EXPECT_LT(std::abs(z_score(seen, 0.5 * double(transmission))), z_limit);
 }

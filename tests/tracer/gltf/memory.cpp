@@ -9,7 +9,7 @@
 #include <zlib.h>
 
 #include "tests/support/gltf_check.h"
-#include "tracer/gltf/materials.h"
+#include "tracer/gltf/images.h"
 
 namespace ivory {
 namespace {

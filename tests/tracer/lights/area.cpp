@@ -29,13 +29,13 @@ double corner_form_factor(double a, double b, double h) {
 
 TEST(Lights, EmissiveTriangles) {
   for (const bool double_sided : {false, true}) {
-    const BareLights lit(lamp_scene(double_sided));
+    const LitScene lit = in_black_box(lamp_scene(double_sided));
     const float sides = double_sided ? 2 : 1;
-    expect_power_and_photons_agree(*lit.lights, Rgb(10, 5, 1) * (pi * 3 * sides), "quad");
+    expect_power_and_photons_agree(lit.lights, Rgb(10, 5, 1) * (pi * 3 * sides), "quad");
     const double truth = 10 * double(pi) * corner_form_factor(1, 3, 2);
-    const Accumulator below = irradiance_samples(*lit.lights, {0, 0, 0}, {0, 1, 0}, 200000);
+    const Accumulator below = irradiance_samples(lit.lights, {0, 0, 0}, {0, 1, 0}, 200000);
     EXPECT_LT(std::abs(z_score(below, truth)), z_limit);
-    const Accumulator above = irradiance_samples(*lit.lights, {0, 4, 0}, {0, -1, 0}, 200000);
+    const Accumulator above = irradiance_samples(lit.lights, {0, 4, 0}, {0, -1, 0}, 200000);
     if (double_sided) {
       EXPECT_LT(std::abs(z_score(above, truth)), z_limit);
     } else {
@@ -43,7 +43,7 @@ TEST(Lights, EmissiveTriangles) {
     }
     RandomStream random = test_stream();
     int up = 0;
-    for (int i = 0; i < 10000; ++i) up += lit.lights->emit(random).direction.y > 0 ? 1 : 0;
+    for (int i = 0; i < 10000; ++i) up += lit.lights.emit(random).direction.y > 0 ? 1 : 0;
     EXPECT_NEAR(up, double_sided ? 5000 : 0, double_sided ? 200 : 0);  // 4 standard deviations of a fair coin
   }
 }
@@ -59,22 +59,22 @@ TEST(Lights, EmissiveTrianglesKeepTheirSideWhenMirrored) {
       far.to_world[3][0] = 1000;
       scene.instances.push_back(far);
     }
-    const BareLights lit(std::move(scene));
-    const Accumulator below = irradiance_samples(*lit.lights, {0, 0, 0}, {0, 1, 0}, 200000);
+    const LitScene lit = in_black_box(std::move(scene));
+    const Accumulator below = irradiance_samples(lit.lights, {0, 0, 0}, {0, 1, 0}, 200000);
     const double truth = 10 * double(pi) * corner_form_factor(1, 3, 2);
     // The second lamp, a kilometre away, adds less than 1e-6 of it.
     EXPECT_LT(std::abs(z_score(below, truth)), z_limit);
     Ray up;
     up.origin = V3f(-0.5F, 0, 1);
     up.direction = V3f(0, 1, 0);
-    const auto hit = lit.intersector->closest(up);
+    const auto hit = lit.intersector.closest(up);
     ASSERT_TRUE(hit);
-    EXPECT_GT(lit.lights->pdf_solid_angle(up.origin, *hit), 0);
+    EXPECT_GT(lit.lights.pdf_solid_angle(up.origin, *hit), 0);
     up.origin.y = 4;
     up.direction.y = -1;
-    const auto back = lit.intersector->closest(up);
+    const auto back = lit.intersector.closest(up);
     ASSERT_TRUE(back);
-    EXPECT_EQ(lit.lights->pdf_solid_angle(up.origin, *back), 0);
+    EXPECT_EQ(lit.lights.pdf_solid_angle(up.origin, *back), 0);
   }
 }
 
@@ -91,8 +91,8 @@ TEST(Lights, TexturedEmission) {
   texture.nearest = true;
   scene.textures.push_back(texture);
   scene.materials[0].emission_texture.texture = 0;
-  const BareLights lit(std::move(scene));
-  const Rgb power = lit.lights->total_power_lm();
+  const LitScene lit = in_black_box(std::move(scene));
+  const Rgb power = lit.lights.total_power_lm();
   // The quadrature has 4 steps an edge and cells that texel edges cut: 5 % of the power, which only guides
   // the choice among lights. Green is untextured.
   EXPECT_NEAR(power.x, 10 * pi * 3 * 0.5F, 0.05F * 10 * pi * 3);
@@ -100,27 +100,27 @@ TEST(Lights, TexturedEmission) {
   // Estimators do not rest on the quadrature.
   RandomStream random = test_stream();
   Accumulator mean;
-  for (int i = 0; i < 200000; ++i) mean.add(double(lit.lights->emit(random).power.x));
+  for (int i = 0; i < 200000; ++i) mean.add(double(lit.lights.emit(random).power.x));
   EXPECT_LT(std::abs(z_score(mean, double(10 * pi * 3 * 0.5F))), z_limit);
 }
 
 TEST(Lights, TriangleDensityMatchesItsSamples) {
   Scene scene = lamp_scene(true);
   scene.lights.push_back(point_at({5, 5, 5}, {3, 3, 3}));
-  const BareLights lit(std::move(scene));
+  const LitScene lit = in_black_box(std::move(scene));
   RandomStream random = test_stream();
   int checked = 0;
   for (int i = 0; i < 1000; ++i) {
     const V3f p = sample_sphere(random.next2()) * 1.5F;
-    const auto s = lit.lights->sample(p, random);
+    const auto s = lit.lights.sample(p, random);
     if (!s || s->delta) continue;
     Ray ray;
     ray.origin = p;
     ray.direction = s->w;
-    const auto hit = lit.intersector->closest(ray);
+    const auto hit = lit.intersector.closest(ray);
     if (!hit) continue;  // a sample on the very edge
     // Both come from the same formula; the hit point is rounded differently, which grazing angles amplify.
-    EXPECT_NEAR(lit.lights->pdf_solid_angle(p, *hit), s->pdf_solid_angle, 1e-3F * s->pdf_solid_angle);
+    EXPECT_NEAR(lit.lights.pdf_solid_angle(p, *hit), s->pdf_solid_angle, 1e-3F * s->pdf_solid_angle);
     EXPECT_NEAR(hit->t, s->distance_m, 1e-4F * s->distance_m);
     ++checked;
   }
@@ -130,14 +130,14 @@ TEST(Lights, TriangleDensityMatchesItsSamples) {
 TEST(Lights, UniformEnvironmentGivesPiL) {
   Scene scene;
   scene.environment = uniform_environment({3, 2, 1});
-  const BareLights lit(std::move(scene));
+  const LitScene lit = in_black_box(std::move(scene));
   for (const V3f& n : {V3f(0, 1, 0), V3f(1, 0, 0), V3f(-1, -2, 3).normalized()}) {
-    const Accumulator e = irradiance_samples(*lit.lights, {0, 0, 0}, n, 200000);
+    const Accumulator e = irradiance_samples(lit.lights, {0, 0, 0}, n, 200000);
     EXPECT_LT(std::abs(z_score(e, 3 * double(pi))), z_limit);
   }
-  EXPECT_NEAR(lit.lights->environment_pdf_solid_angle(V3f(0, 1, 0)), 1 / (4 * pi), 1e-6F);
-  const float radius = lit.intersector->radius_m();
-  expect_power_and_photons_agree(*lit.lights, Rgb(3, 2, 1) * (4 * pi * pi * radius * radius), "environment");
+  EXPECT_NEAR(lit.lights.environment_pdf_solid_angle(V3f(0, 1, 0)), 1 / (4 * pi), 1e-6F);
+  const float radius = lit.intersector.radius_m();
+  expect_power_and_photons_agree(lit.lights, Rgb(3, 2, 1) * (4 * pi * pi * radius * radius), "environment");
 }
 
 TEST(Lights, EnvironmentTexelsLieWhereTheConventionSays) {
@@ -166,7 +166,7 @@ TEST(Lights, EnvironmentSamplesMatchTheirDensity) {
   EnvironmentMap map = uniform_environment({1, 1, 1}, 8);
   for (std::size_t i = 0; i < map.radiance.size(); ++i) map.radiance[i] = Rgb(1, 0.5F, 0) * float((i * 7) % 11);
   scene.environment = map;
-  const BareLights lit(std::move(scene));
+  const LitScene lit = in_black_box(std::move(scene));
   RandomStream random = test_stream();
   // Bins of a texel each; the density is constant within, so density times solid angle is exact.
   std::vector<double> counts(map.radiance.size(), 0);
@@ -174,10 +174,10 @@ TEST(Lights, EnvironmentSamplesMatchTheirDensity) {
   constexpr int samples = 200000;
   double total = 0;
   for (int i = 0; i < samples; ++i) {
-    const auto s = lit.lights->sample({0, 0, 0}, random);
+    const auto s = lit.lights.sample({0, 0, 0}, random);
     ASSERT_TRUE(s);
-    ASSERT_EQ(s->pdf_solid_angle, lit.lights->environment_pdf_solid_angle(s->w));
-    ASSERT_EQ(s->irradiance_weight, lit.lights->environment_radiance(s->w) / s->pdf_solid_angle);
+    ASSERT_EQ(s->pdf_solid_angle, lit.lights.environment_pdf_solid_angle(s->w));
+    ASSERT_EQ(s->irradiance_weight, lit.lights.environment_radiance(s->w) / s->pdf_solid_angle);
     const int row = std::clamp(int(std::acos(double(s->w.y)) / double(pi) * 8), 0, 7);
     const int column =
         std::clamp(int((0.5 + std::atan2(double(-s->w.x), double(s->w.z)) / (2 * double(pi))) * 16), 0, 15);
@@ -191,7 +191,7 @@ TEST(Lights, EnvironmentSamplesMatchTheirDensity) {
       const double azimuth = 2 * double(pi) * ((column + 0.5) / 16 - 0.5);
       const V3f w(float(-std::sin(polar) * std::sin(azimuth)), float(std::cos(polar)),
                   float(std::sin(polar) * std::cos(azimuth)));
-      const double mass = double(lit.lights->environment_pdf_solid_angle(w)) * solid_angle;
+      const double mass = double(lit.lights.environment_pdf_solid_angle(w)) * solid_angle;
       expected[std::size_t(row * 16 + column)] = mass * samples;
       total += mass;
     }
@@ -204,8 +204,8 @@ TEST(Lights, ZeroAreaEmittersAreLeftOut) {
   Scene scene;
   const int lamp = add_lambert(scene, Rgb(0, 0, 0), Rgb(1, 1, 1));
   add_mesh(scene, make_quad({0, 0, 0}, {1, 0, 0}, {2, 0, 0}, lamp));
-  const BareLights lit(std::move(scene));
-  EXPECT_TRUE(lit.lights->empty());
+  const LitScene lit = in_black_box(std::move(scene));
+  EXPECT_TRUE(lit.lights.empty());
 }
 
 }  // namespace

@@ -86,11 +86,10 @@ TEST(Lights, ASunDoesNotStarveALamp) {
       add_mesh(scene, make_quad({side == 0 ? -20.0F : 30.0F, 0, -20}, {0, 6, 0}, {0, 0, 50}, scene.meshes[0].material));
       add_mesh(scene, make_quad({-20, 0, side == 0 ? -20.0F : 30.0F}, {0, 6, 0}, {50, 0, 0}, scene.meshes[0].material));
     }
-    const LitScene lit(std::move(scene));
+    const LitScene lit = make_lit_scene(std::move(scene));
     ProbeParams params;
     params.samples = 20'000;
-    const ProbeResult inside =
-        probe_scene(lit.scene, lit.intersector, lit.lights, {{V3f(5, 0, 5), V3f(0, 1, 0)}}, params)[0];
+    const ProbeResult inside = probe_scene(lit, {{V3f(5, 0, 5), V3f(0, 1, 0)}}, params)[0];
     for (int c = 0; c < 3; ++c) {
       const float truth = lamp[c] / 9;
       EXPECT_LT(std::abs(inside.e[c] - truth), float(z_limit) * inside.standard_error[c] + 1e-4F * truth) << c;
@@ -98,8 +97,7 @@ TEST(Lights, ASunDoesNotStarveALamp) {
       EXPECT_LT(inside.standard_error[c], 0.02F * truth) << c;
     }
     // Outside the sun still has at least half of the picks: sqrt(1 / 20,000) = 0.7 % and the sky's own noise.
-    const ProbeResult outside =
-        probe_scene(lit.scene, lit.intersector, lit.lights, {{V3f(-35, 0, -35), V3f(0, 1, 0)}}, params)[0];
+    const ProbeResult outside = probe_scene(lit, {{V3f(-35, 0, -35), V3f(0, 1, 0)}}, params)[0];
     if (!sky) {
       const float truth = 1e5F / std::sqrt(1 + 0.13F);
       EXPECT_LT(std::abs(outside.e.x - truth), float(z_limit) * outside.standard_error.x + 1e-4F * truth);
@@ -117,11 +115,11 @@ TEST(Lights, ColouredLampsAreEquals) {
     intensity[c] = 1;
     scene.lights.push_back(PointLight{at[std::size_t(c)], intensity});
   }
-  const BareLights lit(std::move(scene));
+  const LitScene lit = in_black_box(std::move(scene));
   RandomStream random = test_stream();
   std::vector<Accumulator> picked(3);
   for (int i = 0; i < 100'000; ++i) {
-    const auto s = lit.lights->sample({0, 0, 0}, random);
+    const auto s = lit.lights.sample({0, 0, 0}, random);
     for (int c = 0; c < 3; ++c) {
       picked[std::size_t(c)].add(s->w[c] > 0.5F ? 1 : 0);
       if (s->w[c] > 0.5F) {
@@ -139,11 +137,11 @@ TEST(Lights, InstancesAreGroups) {
   const int weak = add_lambert(scene, Rgb(0, 0, 0), Rgb(1, 1, 1));
   add_mesh(scene, make_quad({-1, 3, -1}, {2, 0, 0}, {0, 0, 2}, strong));  // looks down
   add_mesh(scene, make_quad({3, -1, -1}, {0, 0, 2}, {0, 2, 0}, weak));    // looks to -x
-  const BareLights lit(std::move(scene));
+  const LitScene lit = in_black_box(std::move(scene));
   RandomStream random = test_stream();
   Accumulator picked;
   for (int i = 0; i < 100'000; ++i) {
-    const auto s = lit.lights->sample({0, 0, 0}, random);
+    const auto s = lit.lights.sample({0, 0, 0}, random);
     picked.add(s->w.x > std::abs(s->w.y) ? 1 : 0);
   }
   EXPECT_LT(std::abs(z_score(picked, 0.5 / 1000 + 0.25)), z_limit);
@@ -160,17 +158,17 @@ TEST(Lights, NarrowSpotsKeepTheirLight) {
     spot.outer_angle_rad = outer;
     Scene scene;
     scene.lights.push_back(spot);
-    const BareLights lit(std::move(scene));
+    const LitScene lit = in_black_box(std::move(scene));
     // a = (1 - cos outer) / 0.001 on the axis, for the specification's floor of 0.001 under the cone's width; the
     // flux is the integral of 2 pi a^2 over the cosine.
     const double cone = 2 * std::pow(std::sin(0.5 * double(outer)), 2);
     const double on_axis = 1e6 * std::pow(cone / 0.001, 2);
-    const Rgb power = lit.lights->total_power_lm();
+    const Rgb power = lit.lights.total_power_lm();
     EXPECT_NEAR(power.x, 1e6 * 2 * double(pi) * std::pow(cone, 3) / (3 * 1e-6), 1e-5 * double(power.x)) << outer;
     RandomStream random = test_stream();
     Accumulator sine2;
     for (int i = 0; i < 20'000; ++i) {
-      const V3f w = lit.lights->emit(random).direction;
+      const V3f w = lit.lights.emit(random).direction;
       const double s = double(w.cross(spot.direction).length());
       // A unit direction's floats are good to 6e-8 in each component.
       ASSERT_LT(s, double(outer) + 3e-7);
@@ -181,24 +179,23 @@ TEST(Lights, NarrowSpotsKeepTheirLight) {
     const V3f p = spot.position + spot.direction;
     if (outer >= 1e-3F) {
       // At 1 m the point's floats turn its direction by 2e-7 and more: of a cone of 1e-4 rad, too much to compare.
-      EXPECT_NEAR(irradiance_samples(*lit.lights, p, -spot.direction, 4).mean(), on_axis, 2e-3 * on_axis) << outer;
+      EXPECT_NEAR(irradiance_samples(lit.lights, p, -spot.direction, 4).mean(), on_axis, 2e-3 * on_axis) << outer;
     }
-    const Frame frame = make_frame(spot.direction);
-    EXPECT_FALSE(lit.lights->sample(p + frame.x * (2 * outer + 1e-6F), random)) << outer;
+    const ShadingFrame frame = make_shading_frame(spot.direction);
+    EXPECT_FALSE(lit.lights.sample(p + frame.x * (2 * outer + 1e-6F), random)) << outer;
   }
 }
 
-Accumulator direct_at(const Scene& scene, const V3f& p, const V3f& n, int samples) {
-  const Intersector intersector(scene);
-  const Lights lights(scene, intersector);
+Accumulator direct_at(Scene scene, const V3f& p, const V3f& n, int samples) {
+  const LitScene lit = make_lit_scene(std::move(scene));
   Surface surface;
   surface.p = p;
   surface.ng = surface.ns = n;
   surface.diffuse_albedo = Rgb(1, 1, 1);
-  surface.reach_m = triangle_reach_m(scene, 0, 0);
+  surface.reach_m = triangle_reach_m(*lit.scene, 0, 0);
   const Bsdf bsdf = make_bsdf(surface);
   return collect(samples, [&](RandomStream& random) {
-    return sample_direct(intersector, lights, surface, bsdf, n, DirectStrategy::light, random) * pi;
+    return sample_direct(lit, surface, bsdf, n, DirectStrategy::light, random) * pi;
   });
 }
 
@@ -215,7 +212,7 @@ TEST(ShadowEnds, BlockersCloseToALampBlock) {
       } else {
         scene.lights.push_back(PointLight{V3f(0, 100, 0), Rgb(1e4F, 1e4F, 1e4F)});
       }
-      const Accumulator e = direct_at(scene, V3f(0, 0, 0), V3f(0, 1, 0), 1000);
+      const Accumulator e = direct_at(std::move(scene), V3f(0, 0, 0), V3f(0, 1, 0), 1000);
       if (plate_m < 0) {
         EXPECT_EQ(e.mean(), 0) << emitter;
       } else {
@@ -230,7 +227,7 @@ TEST(ShadowEnds, BlockersCloseToALampBlock) {
 TEST(ShadowEnds, EmittersCloseByLightFarFromTheOrigin) {
   // Leaning: coordinates along the axes would round to the very plane of the lamp.
   const V3f n = V3f(0.4F, 1, -0.3F).normalized();
-  const Frame frame = make_frame(n);
+  const ShadingFrame frame = make_shading_frame(n);
   for (const float far_m : {0.0F, 10.0F, 100.0F, 1000.0F}) {
     for (const float height_m : {0.3F, 0.03F, 0.01F}) {
       const V3f p(far_m, far_m, -far_m);
@@ -241,7 +238,7 @@ TEST(ShadowEnds, EmittersCloseByLightFarFromTheOrigin) {
       const V3f corner = p + (n - frame.x - frame.y) * height_m;
       add_mesh(scene, make_quad(corner, frame.y * (2 * height_m), frame.x * (2 * height_m), lamp));  // against n
       const double truth = 4 * 5 * std::sqrt(0.5) * std::atan(std::sqrt(0.5));
-      const Accumulator e = direct_at(scene, p, n, 20'000);
+      const Accumulator e = direct_at(std::move(scene), p, n, 20'000);
       // Coordinates at 1 km are 6e-5 m apart: each of the lamp's sides and its height may be off by half of
       // that, and E goes as their ratio's square.
       const double rounding = (1e-4 + 4 * 0x1p-24 * double(far_m) / double(height_m)) * truth;

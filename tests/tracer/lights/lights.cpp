@@ -41,9 +41,9 @@ TEST(AliasTable, ChoosesInProportionToWeights) {
 TEST(Lights, PointLight) {
   Scene scene;
   scene.lights.push_back(point_at({0.1F, 0.2F, 0.3F}, {2, 1, 0.5F}));
-  const BareLights lit(std::move(scene));
-  expect_power_and_photons_agree(*lit.lights, Rgb(2, 1, 0.5F) * (4 * pi), "point");
-  const auto e = irradiance_samples(*lit.lights, {0.1F, 0.2F, 2.3F}, {0, 0, -1}, 10);
+  const LitScene lit = in_black_box(std::move(scene));
+  expect_power_and_photons_agree(lit.lights, Rgb(2, 1, 0.5F) * (4 * pi), "point");
+  const auto e = irradiance_samples(lit.lights, {0.1F, 0.2F, 2.3F}, {0, 0, -1}, 10);
   EXPECT_NEAR(e.mean(), 2.0 / 4.0, 1e-6);
 }
 
@@ -70,11 +70,11 @@ TEST(Lights, SpotLight) {
     const float flux = float(3 * 2 * double(pi) * sum * 2 / steps);
     Scene scene;
     scene.lights.push_back(spot);
-    const BareLights lit(std::move(scene));
-    const Rgb power = lit.lights->total_power_lm();
+    const LitScene lit = in_black_box(std::move(scene));
+    const Rgb power = lit.lights.total_power_lm();
     // The quadrature has 2e5 steps over [-1, 1]: the narrowest cone covers 20 of them.
     EXPECT_NEAR(power.x, flux, (cone.outer < 0.1F ? 0.02F : 1e-4F) * flux);
-    expect_power_and_photons_agree(*lit.lights, power, "spot");
+    expect_power_and_photons_agree(lit.lights, power, "spot");
 
     // Photons spread as the intensity does: flux counted in rings of equal cosine.
     RandomStream random = test_stream();
@@ -84,7 +84,7 @@ TEST(Lights, SpotLight) {
     std::vector<double> expected(rings, 0);
     const double lowest = std::cos(double(cone.outer));
     for (int i = 0; i < photons; ++i) {
-      const double cosine = double(lit.lights->emit(random).direction.dot(spot.direction));
+      const double cosine = double(lit.lights.emit(random).direction.dot(spot.direction));
       const double ring = std::floor((cosine - lowest) / (1 - lowest) * rings);
       counts[std::size_t(std::clamp(ring, 0.0, rings - 1.0))] += 1;
     }
@@ -106,9 +106,10 @@ TEST(Lights, SpotLight) {
     const V3f p = spot.direction * 2;
     const double expected_e = 3.0 / 4 * std::pow(std::min(1.0, (1 - lowest) / width), 2);
     // A float cosine near 1 is good to 6e-8, of a zone that may be only 0.001 wide.
-    EXPECT_NEAR(irradiance_samples(*lit.lights, p, -spot.direction, 4).mean(), expected_e, 1e-3 * expected_e);
-    const V3f outside = make_frame(spot.direction).to_world(direction_at_cosine(std::cos(cone.outer + 0.01F), 0.3F));
-    EXPECT_FALSE(lit.lights->sample(outside, random));
+    EXPECT_NEAR(irradiance_samples(lit.lights, p, -spot.direction, 4).mean(), expected_e, 1e-3 * expected_e);
+    const V3f outside =
+        make_shading_frame(spot.direction).to_world(direction_at_cosine(std::cos(cone.outer + 0.01F), 0.3F));
+    EXPECT_FALSE(lit.lights.sample(outside, random));
   }
 }
 
@@ -116,11 +117,11 @@ TEST(Lights, DirectionalLight) {
   Scene scene;
   const V3f direction = V3f(1, -3, 2).normalized();
   scene.lights.push_back(DirectionalLight{direction, Rgb(5, 5, 5)});
-  const BareLights lit(std::move(scene));
-  const float radius = lit.intersector->radius_m();
-  expect_power_and_photons_agree(*lit.lights, Rgb(5, 5, 5) * (pi * radius * radius), "directional");
+  const LitScene lit = in_black_box(std::move(scene));
+  const float radius = lit.intersector.radius_m();
+  expect_power_and_photons_agree(lit.lights, Rgb(5, 5, 5) * (pi * radius * radius), "directional");
   const V3f n = V3f(0, 1, 0);
-  EXPECT_NEAR(irradiance_samples(*lit.lights, {0, 0, 0}, n, 4).mean(), 5.0 * double(-direction.dot(n)), 1e-5);
+  EXPECT_NEAR(irradiance_samples(lit.lights, {0, 0, 0}, n, 4).mean(), 5.0 * double(-direction.dot(n)), 1e-5);
 }
 
 // Photons through a disc inside the sphere, per area and per photon, are E whatever the disc's direction.
@@ -177,10 +178,10 @@ TEST(Lights, PhotonsCrossADiscAsIrradianceSays) {
     const int black = add_lambert(scene, Rgb(0, 0, 0));
     add_mesh(scene, make_room(V3f(-1, -1, -1), V3f(1, 1, 1), black));
     source.add(scene);
-    const BareLights lit(std::move(scene));
+    const LitScene lit = in_black_box(std::move(scene));
     Accumulator photons;
-    flux_per_area(*lit.lights, p, n, 0.15F, photons);
-    const Accumulator e = irradiance_samples(*lit.lights, p, n, 400000);
+    flux_per_area(lit.lights, p, n, 0.15F, photons);
+    const Accumulator e = irradiance_samples(lit.lights, p, n, 400000);
     EXPECT_GT(e.mean(), 0);
     // 0.2 % for the variation of E over the disc.
     const double error = std::hypot(photons.standard_error(), e.standard_error());
@@ -194,12 +195,12 @@ TEST(Lights, ArePickedByPowerAndEvenly) {
   scene.lights.push_back(point_at({0, 0, 2}, {9, 9, 9}));
   scene.lights.push_back(point_at({0, 2, 0}, {1, 1, 1}));
   scene.lights.push_back(point_at({2, 0, 0}, {0, 0, 1e-3F}));  // a speck of blue must not be forgotten
-  const BareLights lit(std::move(scene));
+  const LitScene lit = in_black_box(std::move(scene));
   RandomStream random = test_stream();
   Accumulator from_z;
   Accumulator blue;
   for (int i = 0; i < 1000000; ++i) {
-    const auto s = lit.lights->sample({0, 0, 0}, random);
+    const auto s = lit.lights.sample({0, 0, 0}, random);
     from_z.add(s->w.z > 0.5F ? 1 : 0);
     blue.add(s->w.x > 0.5F ? double(s->irradiance_weight.z) : 0);
   }
@@ -212,13 +213,13 @@ TEST(Lights, PhotonsCarryWhatTheirRangeSays) {
   scene.lights.push_back(point_at({0, 0, 2}, {0, 0, 7}));
   scene.lights.push_back(DirectionalLight{V3f(0, -1, 0), Rgb(1, 0, 0)});
   scene.environment = uniform_environment({0.1F, 0.5F, 0.2F});
-  const BareLights lit(std::move(scene));
+  const LitScene lit = in_black_box(std::move(scene));
   RandomStream random = test_stream();
-  const Lights::PhotonPower range = lit.lights->photon_power();
+  const Lights::PhotonPower range = lit.lights.photon_power();
   float least = std::numeric_limits<float>::infinity();
   float most = 0;
   for (int i = 0; i < 10000; ++i) {
-    const float power = max_component(lit.lights->emit(random).power);
+    const float power = max_component(lit.lights.emit(random).power);
     least = std::min(least, power);
     most = std::max(most, power);
   }
@@ -226,7 +227,7 @@ TEST(Lights, PhotonsCarryWhatTheirRangeSays) {
   EXPECT_NEAR(most, range.strongest_lm, 1e-4F * most);
   // No photon carries more than twice what picking by power gives it.
   EXPECT_LT(most, 2.0001F * (max_component(Rgb(10, 5, 1)) * pi * 3 + 4 * pi * 7 +
-                             pi * std::pow(lit.intersector->radius_m(), 2.0F) * (1 + 0.5F * 4 * pi)));
+                             pi * std::pow(lit.intersector.radius_m(), 2.0F) * (1 + 0.5F * 4 * pi)));
 }
 
 TEST(Lights, DarkScenesHaveNone) {
@@ -235,23 +236,22 @@ TEST(Lights, DarkScenesHaveNone) {
   add_mesh(scene, make_room(V3f(-1, -1, -1), V3f(1, 1, 1), grey));
   scene.lights.push_back(point_at({0, 0, 0}, {0, 0, 0}));
   scene.environment = uniform_environment({0, 0, 0});
-  const BareLights lit(std::move(scene));
+  const LitScene lit = in_black_box(std::move(scene));
   RandomStream random = test_stream();
-  EXPECT_TRUE(lit.lights->empty());
-  EXPECT_FALSE(lit.lights->has_extended());
-  EXPECT_FALSE(lit.lights->sample({0, 0, 0}, random));
-  EXPECT_EQ(lit.lights->emit(random).power, Rgb(0, 0, 0));
-  EXPECT_EQ(lit.lights->environment_pdf_solid_angle({0, 1, 0}), 0);
+  EXPECT_TRUE(lit.lights.empty());
+  EXPECT_FALSE(lit.lights.has_extended());
+  EXPECT_FALSE(lit.lights.sample({0, 0, 0}, random));
+  EXPECT_EQ(lit.lights.emit(random).power, Rgb(0, 0, 0));
+  EXPECT_EQ(lit.lights.environment_pdf_solid_angle({0, 1, 0}), 0);
   Ray ray;
   ray.direction = V3f(0, 1, 0);
-  EXPECT_EQ(lit.lights->pdf_solid_angle(ray.origin, *lit.intersector->closest(ray)), 0);
+  EXPECT_EQ(lit.lights.pdf_solid_angle(ray.origin, *lit.intersector.closest(ray)), 0);
 }
 
 TEST(Lights, RefuseWhatIsNotFinite) {
   Scene scene;
   scene.lights.push_back(point_at({0, 0, 0}, {std::numeric_limits<float>::infinity(), 0, 0}));
-  const Intersector intersector(scene);
-  EXPECT_THROW(Lights(scene, intersector), Error);
+  EXPECT_THROW(make_lit_scene(std::move(scene)), Error);
 }
 
 }  // namespace

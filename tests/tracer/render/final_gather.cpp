@@ -31,7 +31,7 @@ IrradianceGrid uniform_grid(float radiance) {
 TEST(FinalGather, FurnaceEqualsThePathTracer) {
   // Indirect light in the furnace arrives evenly: L_i = L_e rho/(1-rho).
   const float rho = 0.5F;
-  const LitScene lit(furnace(rho, Rgb(2, 2, 2)));
+  const LitScene lit = make_lit_scene(furnace(rho, Rgb(2, 2, 2)));
   const IrradianceGrid grid = uniform_grid(2 * rho / (1 - rho));
   for (const Guard guard : {Guard::rays, Guard::off}) {
     for (const int rays : {0, 1, 7}) {
@@ -43,9 +43,8 @@ TEST(FinalGather, FurnaceEqualsThePathTracer) {
         light.grid = &grid;
         light.guard = guard;
         const Ray ray = ray_to({0.1F, 0.2F, 0.3F}, {-1, 0.5F, 0.4F});
-        const Accumulator l = collect(20000, [&](RandomStream& random) {
-          return trace_gather(lit.intersector, lit.lights, light, ray, params, random);
-        });
+        const Accumulator l =
+            collect(20000, [&](RandomStream& random) { return trace_gather(lit, light, ray, params, random); });
         // Full light L_e/(1-rho) = 4; indirect alone rho^2/(1-rho) L_e = 1.
         EXPECT_LT(std::abs(z_score(l, indirect_only ? 1.0 : 4.0)), z_limit) << rays << indirect_only;
       }
@@ -64,7 +63,7 @@ TEST(FinalGather, GlossyFurnaceEqualsThePathTracer) {
   scene.materials.push_back(glossy);
   add_mesh(scene, make_quad({-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, 0));
   scene.environment = uniform_environment({1, 1, 1});
-  const LitScene lit(std::move(scene));
+  const LitScene lit = make_lit_scene(std::move(scene));
   // One plane in a uniform environment: nothing is indirect.
   const IrradianceGrid grid = uniform_grid(0);
   const Ray ray = ray_to({1, 1, 0}, {0.1F, 0, 0.1F});
@@ -75,14 +74,13 @@ TEST(FinalGather, GlossyFurnaceEqualsThePathTracer) {
     GridLight light;
     light.grid = &grid;
     const Accumulator l = collect(
-        100000,
-        [&](RandomStream& random) { return trace_gather(lit.intersector, lit.lights, light, ray, params, random); }, 1);
+        100000, [&](RandomStream& random) { return trace_gather(lit, light, ray, params, random); }, 1);
     EXPECT_LT(std::abs(z_score(l, path)), z_limit);
   }
 }
 
 TEST(FinalGather, EvenSamplesAreUnbiased) {
-  const LitScene lit(small_room());
+  const LitScene lit = make_lit_scene(small_room());
   const IrradianceGrid grid = uniform_grid(0.5F);
   GridLight light;
   light.grid = &grid;
@@ -95,8 +93,7 @@ TEST(FinalGather, EvenSamplesAreUnbiased) {
     RenderParams render;
     render.samples = 8;
     render.seed = seed;
-    const Film film =
-        render_gather(lit.intersector, lit.lights, indirect_light(lit.intersector, light), view, render, params);
+    const Film film = render_gather(lit, indirect_light(lit, light), view, render, params);
     double mean = 0;
     for (const Rgb& pixel : film.pixels) mean += double(pixel.y) / double(film.pixels.size());
     even.add(mean);
@@ -104,7 +101,7 @@ TEST(FinalGather, EvenSamplesAreUnbiased) {
   const Accumulator independent = collect(100000, [&](RandomStream& random) {
     Ray ray = make_ray(view, random.next2() * V2f(8, 6));
     ray.coverage_seed = random.next_u32();
-    return trace_gather(lit.intersector, lit.lights, light, ray, params, random);
+    return trace_gather(lit, light, ray, params, random);
   });
   EXPECT_LT(std::abs(z_score(even, independent)), z_limit);
 }
@@ -113,7 +110,7 @@ TEST(FinalGather, EvenSamplesAreUnbiased) {
 TEST(FinalGather, GatherAddsOneBounceToDirect) {
   Scene scene = small_room();
   scene.materials[2] = scene.materials[0];  // all diffuse: specular chains add bounces of their own
-  const LitScene lit(std::move(scene));
+  const LitScene lit = make_lit_scene(std::move(scene));
   const IrradianceGrid grid = uniform_grid(0);
   GridLight light;
   light.grid = &grid;
@@ -124,9 +121,8 @@ TEST(FinalGather, GatherAddsOneBounceToDirect) {
       params.gather_rays = rays;
       PathParams path;
       path.max_bounces = rays > 0 ? 2 : 1;
-      const Accumulator l = collect(100000, [&](RandomStream& random) {
-        return trace_gather(lit.intersector, lit.lights, light, ray, params, random);
-      });
+      const Accumulator l =
+          collect(100000, [&](RandomStream& random) { return trace_gather(lit, light, ray, params, random); });
       EXPECT_LT(std::abs(z_score(l, path_samples(lit, ray, path, 100000, 1))), z_limit) << rays;
     }
   }
@@ -144,15 +140,14 @@ TEST(FinalGather, ReflectionsShowTheGridLitRoom) {
     const int grey = add_lambert(scene, Rgb(0.5F, 0.5F, 0.5F));
     add_mesh(scene, make_quad({-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, 0));      // floor, looks up
     add_mesh(scene, make_quad({-2, -2, -1}, {4, 0, 0}, {0, 4, 0}, grey));  // wall behind, looks to +z
-    const LitScene lit(std::move(scene));
+    const LitScene lit = make_lit_scene(std::move(scene));
     const IrradianceGrid grid = uniform_grid(2);
     GridLight light;
     light.grid = &grid;
     light.guard = Guard::off;
     const Ray ray = ray_to({0, 0.5F, 0.5F}, {0, 0, -0.2F});
-    const Accumulator l = collect(100000, [&](RandomStream& random) {
-      return trace_gather(lit.intersector, lit.lights, light, ray, {}, random);
-    });
+    const Accumulator l =
+        collect(100000, [&](RandomStream& random) { return trace_gather(lit, light, ray, {}, random); });
     const double f0 = metal ? 1 : 0.04;
     const double fresnel = f0 + (1 - f0) * std::pow(1 + double(ray.direction.y), 5);
     // albedo/pi * pi L. alpha is clamped to 1e-3, whose tail misses the wall by less than 1e-3.

@@ -24,8 +24,7 @@ TEST(FivRender, ReflectsByTheDiffuseLobeOfTheMaterial) {
   paint.roughness = 0.5F;
   scene.materials.push_back(paint);
   add_mesh(scene, make_quad({-50, 0, 50}, {100, 0, 0}, {0, 0, -100}, 0));
-  const Intersector intersector(scene);
-  const Lights lights(scene, intersector);
+  const LitScene lit = make_lit_scene(std::move(scene));
   FivScene fiv;
   fiv.occluder_of = {-1};
   fiv.unshadowed = [](const V3f&) { return Rgb(2, 2, 2); };
@@ -37,10 +36,10 @@ TEST(FivRender, ReflectsByTheDiffuseLobeOfTheMaterial) {
     view.up = V3f(0, 1e-5F, 0);
     RenderParams params;
     params.samples = 1;
-    const Rgb seen = render_fiv(fiv, intersector, lights, view, params, {}).pixels.front();
+    const Rgb seen = render_fiv(fiv, lit, view, params, {}).pixels.front();
 
     const Ray ray = make_ray(view, V2f(0.5F, 0.5F));
-    const Bsdf bsdf = make_bsdf(make_surface(scene, ray, *intersector.closest(ray)));
+    const Bsdf bsdf = make_bsdf(make_surface(*lit.scene, ray, *lit.intersector.closest(ray)));
     RandomStream random(1, StreamPurpose::test, 0);
     Accumulator albedo;
     for (int i = 0; i < 20000; ++i) {

@@ -7,11 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "grid/base/error.h"
-#include "tests/support/gltf_builder.h"
 #include "tests/support/statistics.h"
 #include "tools/stability/scene_builder.h"
-#include "tracer/gltf/loader.h"
 #include "tracer/lights/sphere.h"
 #include "tracer/render/path_tracer.h"
 
@@ -48,13 +45,10 @@ LobeReflectance phong(const V3f& n, const V3f& mirror, float exponent) {
 
 // A point at the origin under one light, its occluders given; a scene for the signature alone.
 struct LitPoint {
-  Scene scene;
-  std::optional<Intersector> intersector;
+  LitScene lit = make_lit_scene(Scene());
   LobeScene lobes;
 
   explicit LitPoint(const SphereLight& light) {
-    add_mesh(scene, make_quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}, add_lambert(scene, Rgb(1, 1, 1))));
-    intersector.emplace(scene);
     lobes.table = table();
     lobes.lights = {light};
   }
@@ -64,7 +58,7 @@ struct LitPoint {
     Surface surface;
     surface.p = p;
     surface.ng = V3f(0, 1, 0);
-    return lobe_direct_light(lobes, *intersector, surface, r, params, random);
+    return lobe_direct_light(lobes, lit, surface, r, params, random);
   }
 };
 
@@ -217,10 +211,9 @@ TEST(LobeDirect, TwinOnTheMeshAgreesWithThePathTracer) {
   for (auto& t : box.triangles) std::swap(t.y, t.z);
   add_mesh(scene, box);
   add_sphere_light(scene, {V3f(0.3F, 2.5F, 0.2F), 0.4F, Rgb(10, 10, 10)}, "test");
-  const Intersector intersector(scene);
-  const Lights lights(scene, intersector);
+  const LitScene lit = make_lit_scene(std::move(scene));
   LobeScene lobes;
-  lobes.lights = scene.sphere_lights;
+  lobes.lights = lit.scene->sphere_lights;
   LobeParams params;
   params.shadows = LobeShadows::mesh;
   params.shadow_rays = 16;
@@ -230,16 +223,16 @@ TEST(LobeDirect, TwinOnTheMeshAgreesWithThePathTracer) {
     Ray ray;
     ray.origin = V3f(1.5F, 1.2F, 1.5F);
     ray.direction = (target - ray.origin).normalized();
-    const std::optional<Hit> hit = intersector.closest(ray);
+    const std::optional<Hit> hit = lit.intersector.closest(ray);
     ASSERT_TRUE(hit);
-    const Surface surface = make_surface(scene, ray, *hit);
-    const LobeReflectance r = make_lobe_reflectance(scene, *hit, surface, -ray.direction);
+    const Surface surface = make_surface(*lit.scene, ray, *hit);
+    const LobeReflectance r = make_lobe_reflectance(*lit.scene, *hit, surface, -ray.direction);
     RandomStream random(5, StreamPurpose::test, 0);
     Accumulator twin;
     Accumulator path;
     for (int i = 0; i < 4000; ++i) {
-      twin.add(double(lobe_direct_light(lobes, intersector, surface, r, params, random).y));
-      for (int k = 0; k < 4; ++k) path.add(double(trace_path(intersector, lights, ray, direct, random).y));
+      twin.add(double(lobe_direct_light(lobes, lit, surface, r, params, random).y));
+      for (int k = 0; k < 4; ++k) path.add(double(trace_path(lit, ray, direct, random).y));
     }
     // 0.2 % beside: the light's mesh is a ball to 0.1 %.
     EXPECT_LE(std::abs(twin.mean() - path.mean()),
@@ -296,84 +289,6 @@ TEST(LobeReflectance, LafortunesMirrorLobeIsPhongs) {
   const Rgb there = eval(r, wi) / wi.y;
   const Rgb again = eval(q, -ray.direction) / -ray.direction.y;
   for (unsigned c = 0; c < 3; ++c) EXPECT_NEAR(there[c], again[c], 1e-4F);
-}
-
-TEST(SphereLight, PathTracerSeesABall) {
-  for (const V3f& at : {V3f(0, 0, 0), V3f(1000, -500, 20)}) {
-    Scene scene;
-    add_mesh(scene, make_quad(at + V3f(-1, 0, 1), {2, 0, 0}, {0, 0, -2}, add_lambert(scene, Rgb(1, 1, 1))));
-    add_sphere_light(scene, {at + V3f(0.5F, 2, 0), 0.5F, Rgb(3, 3, 3)}, "test");
-    const Intersector intersector(scene);
-    const Lights lights(scene, intersector);
-    Ray ray;
-    ray.origin = at + V3f(0, 0.5F, 0.3F);
-    ray.direction = V3f(0, -0.5F, -0.3F).normalized();
-    PathParams direct;
-    direct.max_bounces = 1;
-    RandomStream random(5, StreamPurpose::test, 1);
-    Accumulator path;
-    for (int i = 0; i < 40000; ++i) path.add(double(trace_path(intersector, lights, ray, direct, random).y));
-    const double d2 = 4.25;
-    const double expected = 3 * 0.25 / d2 * 2 / std::sqrt(d2);
-    EXPECT_LT(std::abs(path.mean() - expected), z_limit * path.standard_error() + 1e-3 * expected);
-  }
-}
-
-TEST(SphereLight, RefusesWhatIsNoBall) {
-  Scene scene;
-  EXPECT_THROW(add_sphere_light(scene, {V3f(0, 0, 0), 0, Rgb(1, 1, 1)}, "t"), Error);
-  EXPECT_THROW(add_sphere_light(scene, {V3f(0, 0, 0), -1, Rgb(1, 1, 1)}, "t"), Error);
-  EXPECT_THROW(add_sphere_light(scene, {V3f(0, NAN, 0), 1, Rgb(1, 1, 1)}, "t"), Error);
-  EXPECT_THROW(add_sphere_light(scene, {V3f(0, 0, 0), 1, Rgb(1, -1, 1)}, "t"), Error);
-  EXPECT_THROW(add_sphere_light(scene, {V3f(1e8F, 0, 0), 1, Rgb(1, 1, 1)}, "t"), Error);
-  EXPECT_TRUE(scene.instances.empty());
-}
-
-TEST(GltfExtras, ReadLightsAndLafortuneLobes) {
-  GltfBuilder b;
-  b.root["materials"].push_back(
-      {{"extras",
-        {{"ivory_lafortune", {{{"k", {0.1, 0.2, 0.3}}, {"c", {-1, -1, 0.9}}, {"exponent", 12}, {"tinted", true}}}}}}});
-  const int mesh =
-      b.add_mesh({{"attributes", {{"POSITION", b.add({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}})}}}, {"material", 0}});
-  b.add_node({{"mesh", mesh}});
-  b.add_node({{"translation", {1, 2, 3}},
-              {"scale", {2, 2, 2}},
-              {"extras", {{"ivory_sphere_light", {{"radius", 0.25}, {"radiance", {1, 2, 3}}}}}}});
-  const Scene scene = load_gltf(b.write("extras")).scene;
-  ASSERT_EQ(scene.sphere_lights.size(), 1U);
-  EXPECT_EQ(scene.sphere_lights[0].center, V3f(1, 2, 3));
-  EXPECT_NEAR(scene.sphere_lights[0].radius_m, 0.5F, 1e-6F);
-  EXPECT_EQ(scene.sphere_lights[0].radiance_nits, Rgb(1, 2, 3));
-  ASSERT_EQ(scene.materials[0].lafortune.size(), 1U);
-  EXPECT_EQ(scene.materials[0].lafortune[0].exponent, 12);
-  EXPECT_TRUE(scene.materials[0].lafortune[0].tinted);
-}
-
-TEST(GltfExtras, RefuseWhatMakesNoSense) {
-  const auto load = [](const nlohmann::json& light, const nlohmann::json& lobes) {
-    GltfBuilder b;
-    nlohmann::json material = nlohmann::json::object();
-    if (!lobes.is_null()) material["extras"]["ivory_lafortune"] = lobes;
-    b.root["materials"].push_back(material);
-    b.add_node({{"mesh", b.add_triangle_mesh()}});
-    if (!light.is_null()) b.add_node({{"extras", {{"ivory_sphere_light", light}}}});
-    load_gltf(b.write("bad_extras"));
-  };
-  EXPECT_NO_THROW(load(nullptr, nullptr));
-  for (const nlohmann::json& light :
-       {nlohmann::json(3), nlohmann::json({{"radius", 1}}), nlohmann::json({{"radius", 0}, {"radiance", {1, 1, 1}}}),
-        nlohmann::json({{"radius", "1"}, {"radiance", {1, 1, 1}}}),
-        nlohmann::json({{"radius", 1}, {"radiance", {1, 1}}}),
-        nlohmann::json({{"radius", 1}, {"radiance", {1, -1, 1}}}),
-        nlohmann::json({{"radius", 1e300}, {"radiance", {1, 1, 1}}})})
-    EXPECT_THROW(load(light, nullptr), Error) << light;
-  for (const nlohmann::json& lobes : {nlohmann::json(1), nlohmann::json::array(), nlohmann::json({1}),
-                                      nlohmann::json({{{"k", {1, 1, 1}}, {"c", {1, 1, 1}}, {"exponent", -1}}}),
-                                      nlohmann::json({{{"k", {1, 1, 1}}, {"c", {1, 1, 1}}}}),
-                                      nlohmann::json({{{"k", {1, 1, 1}}, {"c", {9, 1, 1}}, {"exponent", 100}}}),
-                                      nlohmann::json({{{"k", {-1, 1, 1}}, {"c", {1, 1, 1}}, {"exponent", 1}}})})
-    EXPECT_THROW(load(nullptr, lobes), Error) << lobes;
 }
 
 }  // namespace

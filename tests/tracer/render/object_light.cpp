@@ -59,16 +59,13 @@ Rgb mean(const Film& film) {
 }
 
 Means render_both(const Room& room, int samples) {
-  const Intersector intersector(room.scene);
-  const Lights lights(room.scene, intersector);
+  const LitScene lit = make_lit_scene(room.scene);
   Scene empty = room.scene;
   empty.instances.erase(empty.instances.begin() + 1);
-  const Intersector empty_intersector(empty);
-  const Lights empty_lights(empty, empty_intersector);
   CaptureParams capture;
   capture.size = 16;
   capture.samples = 4;
-  const LocalizedCube cube = localize(capture_cube(empty_intersector, empty_lights, V3f(0, 0, 0), capture).cube, 4);
+  const LocalizedCube cube = localize(capture_cube(make_lit_scene(std::move(empty)), V3f(0, 0, 0), capture).cube, 4);
   RenderParams params;
   params.samples = samples;
   ObjectLightParams objects;
@@ -76,8 +73,8 @@ Means render_both(const Room& room, int samples) {
   CubeLight light;
   light.cube = &cube;
   const View view = view_of_object();
-  return {mean(render_with_cube(intersector, lights, light, view, params, objects)),
-          mean(render_path(intersector, lights, view, params, PathParams()))};
+  return {mean(render_with_cube(lit, light, view, params, objects)),
+          mean(render_path(lit, view, params, PathParams()))};
 }
 
 TEST(ObjectLight, GlowingRoomCountsOnce) {
@@ -124,8 +121,7 @@ TEST(ObjectLight, GlossAndMetalReflectTheScene) {
 TEST(ObjectLight, BackgroundIsPathTraced) {
   Room room(Rgb(1, 1, 1), lambert());
   room.is_object = {false, false};
-  const Intersector intersector(room.scene);
-  const Lights lights(room.scene, intersector);
+  const LitScene lit = make_lit_scene(room.scene);
   LocalizedCube unread;
   CubeLight light;
   light.cube = &unread;
@@ -133,8 +129,8 @@ TEST(ObjectLight, BackgroundIsPathTraced) {
   params.samples = 4;
   ObjectLightParams objects;
   objects.is_object = room.is_object;
-  const Film film = render_with_cube(intersector, lights, light, view_of_object(), params, objects);
-  EXPECT_EQ(film.pixels, render_path(intersector, lights, view_of_object(), params, PathParams()).pixels);
+  const Film film = render_with_cube(lit, light, view_of_object(), params, objects);
+  EXPECT_EQ(film.pixels, render_path(lit, view_of_object(), params, PathParams()).pixels);
 }
 
 }  // namespace

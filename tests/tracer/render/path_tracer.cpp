@@ -14,7 +14,7 @@ namespace {
 
 TEST(PathTracer, FurnaceIsTheGeometricSeries) {
   for (const float albedo : {0.0F, 0.5F, 0.9F}) {
-    const LitScene lit(furnace(albedo, Rgb(2, 2, 2)));
+    const LitScene lit = make_lit_scene(furnace(albedo, Rgb(2, 2, 2)));
     const Accumulator l = path_samples(lit, ray_to({0.1F, 0.2F, 0.3F}, {-1, 0.5F, 0.4F}), {}, 20000);
     EXPECT_LT(std::abs(z_score(l, 2.0 / (1 - double(albedo)))), z_limit) << albedo;
     PathParams indirect;
@@ -26,7 +26,7 @@ TEST(PathTracer, FurnaceIsTheGeometricSeries) {
 }
 
 TEST(PathTracer, MaxBouncesCutsTheSeries) {
-  const LitScene lit(furnace(0.5F, Rgb(1, 1, 1)));
+  const LitScene lit = make_lit_scene(furnace(0.5F, Rgb(1, 1, 1)));
   double truth = 0;
   for (int bounces = 0; bounces < 5; ++bounces) {
     truth += std::pow(0.5, bounces);
@@ -40,7 +40,7 @@ TEST(PathTracer, MaxBouncesCutsTheSeries) {
 TEST(PathTracer, StrategiesAgree) {
   Scene scene = small_room();
   scene.lights.clear();  // sampling the BSDF alone finds no point light
-  const LitScene lit(std::move(scene));
+  const LitScene lit = make_lit_scene(std::move(scene));
   // The floor, glossy; the wall; the ceiling near the lamp; the box.
   for (const V3f& target : {V3f(-0.2F, -0.99F, 0.3F), V3f(-1, 0, 0.2F), V3f(0.35F, 1, 0.1F), V3f(0.3F, -0.5F, 0.2F)}) {
     std::vector<Accumulator> results;
@@ -66,7 +66,7 @@ TEST(PathTracer, StrategiesAgreeUnderAnEnvironment) {
   EnvironmentMap map = uniform_environment({0.2F, 0.2F, 0.2F}, 16);
   for (int i = 0; i < 6; ++i) map.radiance[std::size_t(5 * 32 + 10 + i)] = Rgb(30, 30, 30);
   scene.environment = map;
-  const LitScene lit(std::move(scene));
+  const LitScene lit = make_lit_scene(std::move(scene));
   for (const V3f& target : {V3f(0.2F, 0, 0.3F), V3f(0.1F, 0.4F, -1)}) {
     std::vector<Accumulator> results;
     for (const DirectStrategy strategy : {DirectStrategy::mis, DirectStrategy::light, DirectStrategy::bsdf}) {
@@ -81,7 +81,7 @@ TEST(PathTracer, StrategiesAgreeUnderAnEnvironment) {
 
 // Direct light is what max_bounces 1 leaves, less what shines by itself; the rest is indirect.
 TEST(PathTracer, DirectAndIndirectAddUp) {
-  const LitScene lit(small_room());
+  const LitScene lit = make_lit_scene(small_room());
   for (const V3f& target : {V3f(-0.2F, -0.99F, 0.3F), V3f(-1, 0, 0.2F), V3f(0, 0.98F, 0)}) {
     const Ray ray = ray_to({0, 0.2F, 0.9F}, target);
     PathParams direct;
@@ -89,8 +89,7 @@ TEST(PathTracer, DirectAndIndirectAddUp) {
     PathParams indirect;
     indirect.indirect_only = true;
     const Accumulator sum = collect(100000, [&](RandomStream& random) {
-      return trace_path(lit.intersector, lit.lights, ray, direct, random) +
-             trace_path(lit.intersector, lit.lights, ray, indirect, random);
+      return trace_path(lit, ray, direct, random) + trace_path(lit, ray, indirect, random);
     });
     EXPECT_LT(std::abs(z_score(sum, path_samples(lit, ray, {}, 100000, 1))), z_limit);
   }
@@ -106,11 +105,11 @@ TEST(PathTracer, BlendCoversByAlpha) {
   const int wall = add_lambert(scene, Rgb(0, 0, 0), Rgb(1, 1, 1));
   add_mesh(scene, make_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, plate));
   add_mesh(scene, make_quad({-5, -5, -1}, {10, 0, 0}, {0, 10, 0}, wall));
-  const LitScene lit(std::move(scene));
+  const LitScene lit = make_lit_scene(std::move(scene));
   const Accumulator seen = collect(100000, [&](RandomStream& random) {
     Ray ray = ray_to({0.1F, 0.2F, 3}, {0.1F, 0.3F, 0});
     ray.coverage_seed = random.next_u32();
-    return trace_path(lit.intersector, lit.lights, ray, {}, random);
+    return trace_path(lit, ray, {}, random);
   });
   EXPECT_LT(std::abs(z_score(seen, 0.3 * 5 + 0.7 * 1)), z_limit);
 }
@@ -127,7 +126,7 @@ TEST(PathTracer, BlendDimsShadowRaysAndEmitters) {
   add_mesh(scene, make_quad({-5, 1, -5}, {10, 0, 0}, {0, 0, 10}, glass));
   add_mesh(scene, make_quad({-5, 0, -5}, {0, 0, 10}, {10, 0, 0}, grey));  // floor, looks up
   add_mesh(scene, make_quad({-1, 2, -1}, {2, 0, 0}, {0, 0, 2}, lamp));    // looks down
-  const LitScene lit(std::move(scene));
+  const LitScene lit = make_lit_scene(std::move(scene));
   const Ray ray = ray_to({3, 0.5F, 0}, {0.3F, 0, 0.1F});
   std::vector<Accumulator> results;
   for (const DirectStrategy strategy : {DirectStrategy::mis, DirectStrategy::light, DirectStrategy::bsdf}) {
@@ -141,31 +140,30 @@ TEST(PathTracer, BlendDimsShadowRaysAndEmitters) {
 }
 
 TEST(PathTracer, DarkSceneIsBlack) {
-  const LitScene lit(furnace(0.5F, Rgb(0, 0, 0)));
+  const LitScene lit = make_lit_scene(furnace(0.5F, Rgb(0, 0, 0)));
   EXPECT_EQ(path_samples(lit, ray_to({0, 0, 0}, {1, 0, 0}), {}, 10).mean(), 0);
 }
 
 TEST(Render, GivesTheSameBytesOnAnyNumberOfThreads) {
-  const LitScene lit(small_room());
+  const LitScene lit = make_lit_scene(small_room());
   RenderParams one;
   one.samples = 4;
   one.threads = 1;
   RenderParams two = one;
   two.threads = 2;
   const View view = test_view(40, 30);
-  EXPECT_EQ(render_path(lit.intersector, lit.lights, view, one, {}).pixels,
-            render_path(lit.intersector, lit.lights, view, two, {}).pixels);
+  EXPECT_EQ(render_path(lit, view, one, {}).pixels, render_path(lit, view, two, {}).pixels);
 }
 
 TEST(Render, SeedsChangeNoiseNotTheMean) {
-  const LitScene lit(small_room());
+  const LitScene lit = make_lit_scene(small_room());
   const View view = test_view(32, 24);
   RenderParams params;
   params.samples = 16;
   Accumulator difference;
-  const Film a = render_path(lit.intersector, lit.lights, view, params, {});
+  const Film a = render_path(lit, view, params, {});
   params.seed = 2;
-  const Film b = render_path(lit.intersector, lit.lights, view, params, {});
+  const Film b = render_path(lit, view, params, {});
   for (std::size_t i = 0; i < a.pixels.size(); ++i) difference.add(double(a.pixels[i].y - b.pixels[i].y));
   EXPECT_GT(difference.variance(), 0);
   EXPECT_LT(std::abs(difference.mean()), z_limit * difference.standard_error());
@@ -173,14 +171,14 @@ TEST(Render, SeedsChangeNoiseNotTheMean) {
 
 // Pictures' means over seeds against independent random numbers all the way.
 TEST(Render, EvenSamplesAreUnbiased) {
-  const LitScene lit(small_room());
+  const LitScene lit = make_lit_scene(small_room());
   const View view = test_view(8, 6);
   Accumulator even;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     RenderParams params;
     params.samples = 16;
     params.seed = seed;
-    const Film film = render_path(lit.intersector, lit.lights, view, params, {});
+    const Film film = render_path(lit, view, params, {});
     double mean = 0;
     for (const Rgb& pixel : film.pixels) mean += double(pixel.y) / double(film.pixels.size());
     even.add(mean);
@@ -188,19 +186,19 @@ TEST(Render, EvenSamplesAreUnbiased) {
   const Accumulator independent = collect(200000, [&](RandomStream& random) {
     Ray ray = make_ray(view, random.next2() * V2f(8, 6));
     ray.coverage_seed = random.next_u32();
-    return trace_path(lit.intersector, lit.lights, ray, {}, random);
+    return trace_path(lit, ray, {}, random);
   });
   EXPECT_LT(std::abs(z_score(even, independent)), z_limit);
 }
 
 TEST(Render, ReportsProgressToTheEnd) {
-  const LitScene lit(furnace(0.5F, Rgb(1, 1, 1)));
+  const LitScene lit = make_lit_scene(furnace(0.5F, Rgb(1, 1, 1)));
   RenderParams params;
   params.samples = 1;
   params.threads = 1;
   double last = 0;
   params.progress = [&](double fraction) { last = fraction; };
-  render_path(lit.intersector, lit.lights, test_view(33, 17), params, {});
+  render_path(lit, test_view(33, 17), params, {});
   EXPECT_EQ(last, 1);
 }
 
@@ -213,12 +211,12 @@ TEST(PathTracer, LeaningNormalsStayLit) {
   mesh.normals.assign(4, V3f(-0.6F, 0.8F, 0));
   add_mesh(scene, mesh);
   scene.environment = uniform_environment({1, 1, 1});
-  const LitScene lit(std::move(scene));
+  const LitScene lit = make_lit_scene(std::move(scene));
   for (const float height : {0.01F, 0.3F, 0.76F, 3.0F}) {
     const Ray ray = ray_to({1, height, 0}, {0, 0, 0});
     const auto hit = lit.intersector.closest(ray);
     ASSERT_TRUE(hit);
-    const Surface surface = make_surface(lit.scene, ray, *hit);
+    const Surface surface = make_surface(*lit.scene, ray, *hit);
     EXPECT_GT(surface.ns.dot(-ray.direction), 0);
     EXPECT_GT(surface.ns.dot(surface.ng), 0);
     EXPECT_NEAR(surface.ns.length(), 1, 1e-6F);

@@ -58,9 +58,9 @@ void expect_even_light(const Accumulator& means, double light, int neighbours) {
 // E = Phi/A rho/(1 - rho) everywhere. The means of maps of 24 seeds are independent; |z| > 4 is a false alarm once in
 // 1,800 tests of a mean with 23 degrees of freedom.
 TEST(PhotonMap, IntegratingSphere) {
-  const LitScene lit(integrating_sphere(0.5F));
+  const LitScene lit = make_lit_scene(integrating_sphere(0.5F));
   const double flux = 4 * double(pi) * 2;  // of the green channel
-  const double truth = flux / area(lit.scene) * 0.5 / (1 - 0.5);
+  const double truth = flux / area(*lit.scene) * 0.5 / (1 - 0.5);
   for (const int neighbours : {20, 50, 100}) {
     Accumulator means;
     for (std::uint64_t seed = 1; seed <= 24; ++seed) {
@@ -68,7 +68,7 @@ TEST(PhotonMap, IntegratingSphere) {
       params.photons = 100'000;
       params.neighbours = neighbours;
       params.seed = seed;
-      const PhotonMap map(lit.intersector, lit.lights, params);
+      const PhotonMap map(lit, params);
       constexpr int places = 4000;
       double mean = 0;
       for (int i = 0; i < places; ++i) {  // along a spiral
@@ -94,7 +94,7 @@ TEST(PhotonMap, Furnace) {
   scene.name = "furnace";
   const int wall = add_lambert(scene, Rgb(0.6F, 0.6F, 0.6F), Rgb(2, 2, 2));
   add_mesh(scene, make_room(V3f(-1, -1, -1), V3f(1, 1, 1), wall));
-  const LitScene lit(std::move(scene));
+  const LitScene lit = make_lit_scene(std::move(scene));
   const double truth = double(pi) * 2 * 0.6 / (1 - 0.6);
   constexpr int side = 24;
   for (const int neighbours : {20, 50}) {
@@ -104,7 +104,7 @@ TEST(PhotonMap, Furnace) {
       params.photons = 60'000;
       params.neighbours = neighbours;
       params.seed = seed;
-      const PhotonMap map(lit.intersector, lit.lights, params);
+      const PhotonMap map(lit, params);
       double mean = 0;
       for (unsigned face = 0; face < 6; ++face) {
         V3f n(0, 0, 0);
@@ -130,7 +130,7 @@ TEST(PhotonMap, AgreesWithThePathTracerInARoom) {
   const int white = add_lambert(scene, Rgb(0.7F, 0.7F, 0.7F));
   add_mesh(scene, make_room(V3f(-1, -1, -1), V3f(1, 1, 1), white));
   scene.lights.push_back(PointLight{V3f(0.3F, 0.2F, -0.2F), Rgb(1, 1, 1)});
-  const LitScene lit(std::move(scene));
+  const LitScene lit = make_lit_scene(std::move(scene));
   std::vector<ProbePoint> points;
   for (int i = 0; i < 64; ++i)
     points.push_back({V3f(-0.5F + float(i % 8) / 7, -1, -0.5F + float(i / 8) / 7), V3f(0, 1, 0)});
@@ -139,7 +139,7 @@ TEST(PhotonMap, AgreesWithThePathTracerInARoom) {
   probe.indirect_only = true;
   double truth = 0;
   double truth_variance = 0;
-  for (const ProbeResult& r : probe_scene(lit.scene, lit.intersector, lit.lights, points, probe)) {
+  for (const ProbeResult& r : probe_scene(lit, points, probe)) {
     truth += double(r.e.y) / 64;
     truth_variance += std::pow(double(r.standard_error.y) / 64, 2);
   }
@@ -148,7 +148,7 @@ TEST(PhotonMap, AgreesWithThePathTracerInARoom) {
     PhotonMapParams params;
     params.photons = 100'000;
     params.seed = seed;
-    const PhotonMap map(lit.intersector, lit.lights, params);
+    const PhotonMap map(lit, params);
     double mean = 0;
     for (const ProbePoint& point : points) mean += double(map.irradiance(point.p, point.n).y) / 64;
     means.add(mean);
@@ -165,23 +165,23 @@ TEST(PhotonMap, KeepsSidesApart) {
   add_mesh(scene, make_room(V3f(-1, -1, -1), V3f(1, 1, 1), white));
   add_mesh(scene, make_quad(V3f(0, -1, -1), V3f(0, 2, 0), V3f(0, 0, 2), white));
   scene.lights.push_back(PointLight{V3f(0.5F, 0, 0), Rgb(1, 1, 1)});
-  const LitScene lit(std::move(scene));
+  const LitScene lit = make_lit_scene(std::move(scene));
   PhotonMapParams params;
   params.photons = 20'000;
-  const PhotonMap map(lit.intersector, lit.lights, params);
+  const PhotonMap map(lit, params);
   EXPECT_GT(map.irradiance(V3f(0, 0.1F, 0.1F), V3f(1, 0, 0)).y, 0);
   EXPECT_EQ(map.irradiance(V3f(0, 0.1F, 0.1F), V3f(-1, 0, 0)), Rgb(0, 0, 0));
   EXPECT_EQ(map.irradiance(V3f(-1, 0, 0), V3f(1, 0, 0)), Rgb(0, 0, 0));
 }
 
 TEST(PhotonMap, DoesNotDependOnThreads) {
-  const LitScene lit(small_room());
+  const LitScene lit = make_lit_scene(small_room());
   std::vector<Rgb> results[2];
   for (const int threads : {1, 2}) {
     PhotonMapParams params;
     params.photons = 20'000;
     params.threads = threads;
-    const PhotonMap map(lit.intersector, lit.lights, params);
+    const PhotonMap map(lit, params);
     for (int i = 0; i < 100; ++i)
       results[threads - 1].push_back(map.irradiance(V3f(-0.9F + 0.018F * float(i), -1, 0.3F), V3f(0, 1, 0)));
   }
@@ -189,8 +189,8 @@ TEST(PhotonMap, DoesNotDependOnThreads) {
 }
 
 TEST(PhotonMap, ArrivalsEndTheSegments) {
-  const LitScene lit(small_room());
-  const PhotonTracer tracer(lit.intersector, lit.lights, {});
+  const LitScene lit = make_lit_scene(small_room());
+  const PhotonTracer tracer(lit, {});
   std::vector<PhotonSegment> segments;
   std::vector<PhotonArrival> arrivals;
   PhotonLedger a;
@@ -216,12 +216,12 @@ TEST(PhotonMap, RefusesDarknessAndEndlessMaps) {
   Scene dark;
   dark.name = "dark";
   add_mesh(dark, make_room(V3f(-1, -1, -1), V3f(1, 1, 1), add_lambert(dark, Rgb(0.5F, 0.5F, 0.5F))));
-  const LitScene unlit(std::move(dark));
-  EXPECT_THROW(PhotonMap(unlit.intersector, unlit.lights, {}), Error);
-  const LitScene lit(small_room());
+  const LitScene unlit = make_lit_scene(std::move(dark));
+  EXPECT_THROW(PhotonMap(unlit, {}), Error);
+  const LitScene lit = make_lit_scene(small_room());
   PhotonMapParams params;
   params.photons = 100'000'000'000;
-  EXPECT_THROW(PhotonMap(lit.intersector, lit.lights, params), Error);
+  EXPECT_THROW(PhotonMap(lit, params), Error);
 }
 
 }  // namespace

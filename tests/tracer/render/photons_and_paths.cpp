@@ -23,7 +23,7 @@ namespace {
 constexpr float side_m = 0.6F;
 
 // F over the box, [axis][rgb], by photons: the cells of 2 x 2 x 2 vertices tile it.
-std::vector<Accumulator> by_photons(const Intersector& intersector, const Lights& lights, const V3f& low, bool direct) {
+std::vector<Accumulator> by_photons(const LitScene& lit, const V3f& low, bool direct) {
   std::vector<Accumulator> result(9);
   for (std::uint64_t seed = 1; seed <= 24; ++seed) {
     GridBakeParams params;
@@ -36,7 +36,7 @@ std::vector<Accumulator> by_photons(const Intersector& intersector, const Lights
     params.guard = Guard::off;
     params.include_direct = direct;
     params.seed = seed;
-    const IrradianceGrid grid = resolve(bake_grid_sums(intersector, lights, params));
+    const IrradianceGrid grid = resolve(bake_grid_sums(lit, params));
     for (std::size_t i = 0; i < 9; ++i) {
       double mean = 0;
       for (std::size_t vertex = 0; vertex < 8; ++vertex) mean += double(grid.at(vertex)[i]) / 8;
@@ -46,8 +46,7 @@ std::vector<Accumulator> by_photons(const Intersector& intersector, const Lights
   return result;
 }
 
-std::vector<Accumulator> by_paths(const Scene& scene, const Intersector& intersector, const Lights& lights,
-                                  const V3f& low, bool direct) {
+std::vector<Accumulator> by_paths(const LitScene& lit, const V3f& low, bool direct) {
   RandomStream random(3, StreamPurpose::test, 0);
   std::vector<ProbePoint> points;
   constexpr int count = 1500;
@@ -63,7 +62,7 @@ std::vector<Accumulator> by_paths(const Scene& scene, const Intersector& interse
   ProbeParams params;
   params.samples = 64;
   params.indirect_only = !direct;
-  const std::vector<ProbeResult> e = probe_scene(scene, intersector, lights, points, params);
+  const std::vector<ProbeResult> e = probe_scene(lit, points, params);
   std::vector<Accumulator> result(9);
   for (std::size_t i = 0; i < points.size(); i += 2) {
     const std::size_t axis = i / (2 * count);
@@ -72,12 +71,11 @@ std::vector<Accumulator> by_paths(const Scene& scene, const Intersector& interse
   return result;
 }
 
-void expect_agreement(const Scene& scene, const V3f& low) {
-  const Intersector intersector(scene);
-  const Lights lights(scene, intersector);
+void expect_agreement(Scene scene, const V3f& low) {
+  const LitScene lit = make_lit_scene(std::move(scene));
   for (const bool direct : {false, true}) {
-    const auto photons = by_photons(intersector, lights, low, direct);
-    const auto paths = by_paths(scene, intersector, lights, low, direct);
+    const auto photons = by_photons(lit, low, direct);
+    const auto paths = by_paths(lit, low, direct);
     for (std::size_t i = 0; i < 9; ++i) {
       EXPECT_LT(std::abs(z_score(photons[i], paths[i])), z_limit)
           << "axis " << i / 3 << " channel " << i % 3 << " direct " << direct << ": " << photons[i].mean() << " +- "
@@ -95,7 +93,7 @@ TEST(PhotonsAndPaths, AgreeInAGlossyRoom) {
   gold.roughness = 0.35F;
   scene.materials.push_back(gold);
   add_mesh(scene, make_quad({-0.99F, -0.8F, -0.8F}, {0, 1.6F, 0}, {0, 0, 1.6F}, 3));  // left wall, looks to +x
-  expect_agreement(scene, V3f(-0.7F, -0.3F, -0.2F));
+  expect_agreement(std::move(scene), V3f(-0.7F, -0.3F, -0.2F));
 }
 
 // Normals bent by up to 35 degrees: photons need the adjoint's correction, which paths do without.
@@ -107,7 +105,7 @@ TEST(PhotonsAndPaths, AgreeWithInterpolatedNormals) {
   bent.normals = {V3f(0.7F, 1, 0).normalized(), V3f(0, 1, 0.6F).normalized(), V3f(-0.5F, 1, 0.5F).normalized(),
                   V3f(0.2F, 1, -0.7F).normalized()};
   add_mesh(scene, bent);
-  expect_agreement(scene, V3f(-0.3F, -0.7F, -0.2F));
+  expect_agreement(std::move(scene), V3f(-0.3F, -0.7F, -0.2F));
 }
 
 // An open scene: environment, sun, a blended sheet, a textured and mirrored lamp that shines from both sides.
@@ -137,7 +135,7 @@ TEST(PhotonsAndPaths, AgreeUnderTheSky) {
   EnvironmentMap map = uniform_environment({0.3F, 0.4F, 0.5F}, 8);
   for (int i = 0; i < 16; ++i) map.radiance[std::size_t(32 + i)] = Rgb(1, 1, 1) * float(i);
   scene.environment = map;
-  expect_agreement(scene, V3f(-0.3F, -0.4F, -0.5F));
+  expect_agreement(std::move(scene), V3f(-0.3F, -0.4F, -0.5F));
 }
 
 }  // namespace

@@ -3,12 +3,13 @@
 
 #include <string>
 
-#include "tools/view/settings.h"
+#include "tools/view/session/settings.h"
 
 namespace ivory {
 
-// GLSL for Frame::output_shader that shows the view; empty for views that are not painted on surfaces. Those of a grid
-// (needs_grid()) take it from the items' ambient source, which is to be the grid's, whatever lights them otherwise.
+// GLSL for FrameParams::output_shader that shows the view; empty for views that are not painted on surfaces. Those of a
+// grid (needs_grid()) take it from the items' ambient source, which is to be the grid's, whatever lights them
+// otherwise.
 std::string surface_debug_shader(DebugView view);
 
 // What the numbers are: "lux", "share".

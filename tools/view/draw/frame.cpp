@@ -7,6 +7,7 @@
 
 #include "grid/base/error.h"
 #include "tools/view/draw/debug.h"
+#include "tools/view/session/light.h"
 
 namespace ivory {
 
@@ -47,6 +48,7 @@ void require_inputs(const ViewSession& session, const ViewTarget& target) {
     throw UsageError(fmt::format("debug view difference: the reference is {} x {}, the picture {} x {}", film.width,
                                  film.height, target.width(), target.height()));
 }
+
 // The value that nearly all of the picture stays under, so that a few outliers do not make the rest dark.
 float greatest_value(const Film& film) {
   std::vector<float> values;
@@ -83,7 +85,7 @@ void ViewFrame::update_shadows(ViewSession& session) {
   if (places == shadows_of_ && shadow_size_ == session.settings.shadow_size) return;
   std::vector<ShadowCaster> casters;
   for (std::size_t i = 0; i < places.size(); ++i) {
-    const GpuModel& model = session.models[i];
+    const GpuModel& model = session.world.objects[i].model;
     for (const ModelPart& part : model.parts) {
       casters.push_back({&model.meshes[part.mesh], moved(part.to_world, places[i]), &model.materials[part.material]});
     }
@@ -106,7 +108,7 @@ void ViewFrame::update_shadows(ViewSession& session) {
 
 void ViewFrame::draw_point(ViewSession& session, ViewTarget& target, const V2f& shift) {
   require_inputs(session, target);
-  place_objects_now(session);
+  place_lights_and_occluders(session);
   const ViewSettings& settings = session.settings;
   const std::string output = surface_debug_shader(settings.debug);
   const bool lit = settings.direct && output.empty();
@@ -119,13 +121,14 @@ void ViewFrame::draw_point(ViewSession& session, ViewTarget& target, const V2f& 
   }
   std::vector<DrawItem> items;
   for (std::size_t i = 0; i < sources.size(); ++i) {
-    const GpuModel& model = session.models[i];
-    const V3f at = place(session.world.objects[i], session.world.time_s);
+    const ViewObject& object = session.world.objects[i];
+    const GpuModel& model = object.model;
+    const V3f at = place(object, session.world.time_s);
     for (const ModelPart& part : model.parts)
       items.push_back(
           {&model.meshes[part.mesh], &model.materials[part.material], moved(part.to_world, at), &sources[i]});
   }
-  Frame frame;
+  FrameParams frame;
   frame.camera = runtime_camera(session, target, shift);
   frame.items = items;
   frame.lights = &shadows_;
@@ -134,7 +137,8 @@ void ViewFrame::draw_point(ViewSession& session, ViewTarget& target, const V2f& 
   if (lit && session.sky) frame.sky = &*session.sky;
   target.begin();
   renderer_.draw(frame);
-  if (needs_grid(settings.debug) && output.empty()) overlay_.draw(*session.debug_grid->grid, frame.camera, settings);
+  if (needs_grid(settings.debug) && output.empty())
+    overlay_.draw(std::get<GridAsset>(session.debug_grid->data), frame.camera, settings);
   target.add();
 }
 

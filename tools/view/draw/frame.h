@@ -8,7 +8,7 @@
 #include "runtime/renderer/renderer.h"
 #include "tools/view/draw/overlay.h"
 #include "tools/view/draw/target.h"
-#include "tools/view/session.h"
+#include "tools/view/session/session.h"
 
 namespace ivory {
 

@@ -49,6 +49,7 @@ void main() {
 
 constexpr const char* sphere_fragment = R"(
 #include "ambient/grid.glsl"
+#include "base/pi.glsl"
 uniform mat4 clip_from_world;
 uniform vec4 eye;
 uniform float unit_m;
@@ -84,7 +85,7 @@ void main() {
   } else {
     vec3 m[12];
     ivory_vertex_moments(ivory_grid, ivory_grid_volumes, ivory_grid_trust, vertex, n, m);
-    fragment = vec4(ivory_grid_irradiance(ivory_grid, m, n) / 3.14159265358979, 1.0);
+    fragment = vec4(ivory_grid_irradiance(ivory_grid, m, n) / ivory_pi, 1.0);
   }
 }
 )";

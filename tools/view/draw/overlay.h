@@ -2,8 +2,8 @@
 #pragma once
 
 #include "runtime/renderer/renderer.h"
-#include "tools/view/draw/assets.h"
-#include "tools/view/settings.h"
+#include "tools/view/session/assets.h"
+#include "tools/view/session/settings.h"
 
 namespace ivory {
 

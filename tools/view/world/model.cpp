@@ -118,10 +118,10 @@ void note_left_out(const Scene& scene, const std::set<int>& materials, std::vect
   bool specular = false;
   bool uv_sets = false;
   bool emits = false;
-  std::set<int> of_balls;  // which method lobes lights by
+  std::set<int> of_sphere_lights;  // they light by method lobes
   for (const SphereLight& light : scene.sphere_lights) {
     if (light.instance != no_index)
-      of_balls.insert(scene.meshes[std::size_t(scene.instances[std::size_t(light.instance)].mesh)].material);
+      of_sphere_lights.insert(scene.meshes[std::size_t(scene.instances[std::size_t(light.instance)].mesh)].material);
   }
   for (const int index : materials) {
     const Material& m = scene.materials[std::size_t(index)];
@@ -129,7 +129,7 @@ void note_left_out(const Scene& scene, const std::set<int>& materials, std::vect
                             (m.specular_texture.texture != no_index || m.specular_color_texture.texture != no_index));
     for (const TextureUse* use : {&m.base_color_texture, &surface_use(m), &m.normal_texture, &m.emission_texture})
       uv_sets = uv_sets || (use->texture != no_index && use->uv_set > 1);
-    emits = emits || (!is_black(m.emission) && !of_balls.contains(index));
+    emits = emits || (!is_black(m.emission) && !of_sphere_lights.contains(index));
   }
   if (specular) notes.push_back(fmt::format("{}: textures of KHR_materials_specular are left out", scene.name));
   if (uv_sets) notes.push_back(fmt::format("{}: textures of a third set of coordinates are left out", scene.name));
@@ -155,7 +155,7 @@ GpuModel upload(const Scene& scene) {
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[std::size_t(instance.mesh)];
     if (meshes.emplace(instance.mesh, model.meshes.size()).second)
-      model.meshes.push_back(upload(scene.name, mesh_data(mesh)));
+      model.meshes.push_back(upload(mesh_data(mesh), scene.name));
     used.insert(mesh.material);
   }
   TextureStore textures(scene);

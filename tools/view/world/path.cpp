@@ -2,21 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <string_view>
 
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
+#include "tools/cli/csv.h"
 #include "tools/cli/numbers.h"
 
 namespace ivory {
 
 namespace {
-
-constexpr std::size_t max_keys = 100'000;
-constexpr std::size_t max_line = 200;
 
 UsageError bad_path(const std::string& text, const std::string& cause) {
   return UsageError(fmt::format("--path: '{}' {}; it is circle:RADIUS[,SECONDS], line:X,Y,Z[,SECONDS] or keys:FILE.csv",
@@ -32,37 +28,22 @@ std::vector<float> numbers(const std::string& text, const std::string& values, s
   return v;
 }
 
-Keyframe parse_key(const std::string& file, const std::string& line, std::size_t number) {
-  const std::string where = fmt::format("line {}", number);
-  std::vector<float> v;
-  try {
-    v = parse_floats(where, line, 4, "t,x,y,z");
-  } catch (const UsageError& error) {
-    throw Error(file, error.what(), "write seconds and metres: 0.5,1,0,0");
-  }
-  return {double(v[0]), V3f(v[1], v[2], v[3])};
-}
-
 std::vector<Keyframe> read_keys(const std::string& file) {
-  if (std::filesystem::is_directory(file)) throw Error(file, "is a folder", "name a file of lines t,x,y,z");
-  std::ifstream in(file, std::ios::binary);
-  if (!in) throw Error(file, "cannot be read", "name a file of lines t,x,y,z");
+  const std::string remedy = "write lines t,x,y,z: seconds and metres, such as 0.5,1,0,0";
   std::vector<Keyframe> keys;
-  std::string line(max_line, '\0');
-  for (std::size_t number = 1; in.getline(line.data(), std::streamsize(max_line)) || !in.eof(); ++number) {
-    // getline() fails on a line that does not fit: no such file is a list of keyframes.
-    if (in.fail()) throw Error(file, fmt::format("line {} is too long", number), "write lines t,x,y,z");
-    std::string text(line.c_str());
-    while (!text.empty() && std::isspace(static_cast<unsigned char>(text.back()))) text.pop_back();
-    if (text.empty() || text.front() == '#' || text == "t,x,y,z") continue;
-    keys.push_back(parse_key(file, text, number));
+  for (const CsvLine& line : read_csv_lines(file, remedy)) {
+    if (line.text.empty() || line.text.front() == '#' || line.text == "t,x,y,z") continue;
+    const auto cells = csv_cells(line.text);
+    if (cells.size() != 4) throw Error(file, fmt::format("line {} has {} cells", line.number, cells.size()), remedy);
+    const auto number = [&](std::size_t i, const char* column) {
+      return csv_number(file, line, cells[i], column, remedy);
+    };
+    keys.push_back({double(number(0, "t")), V3f(number(1, "x"), number(2, "y"), number(3, "z"))});
     if (keys.back().time_s < 0 || (keys.size() > 1 && keys.back().time_s <= keys[keys.size() - 2].time_s))
-      throw Error(file, fmt::format("the time of line {} is not later than the one before", number),
+      throw Error(file, fmt::format("the time of line {} is not later than the one before", line.number),
                   "put keyframes in order, from 0 s");
-    if (keys.size() > max_keys) throw Error(file, "has more than 100000 keyframes", "leave out some");
   }
-  if (keys.empty() || keys.back().time_s == 0)
-    throw Error(file, "holds no keyframe after 0 s", "write lines t,x,y,z: seconds and metres");
+  if (keys.empty() || keys.back().time_s == 0) throw Error(file, "holds no keyframe after 0 s", remedy);
   return keys;
 }
 

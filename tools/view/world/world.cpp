@@ -1,24 +1,8 @@
 #include "tools/view/world/world.h"
 
 #include <algorithm>
-#include <utility>
-
-#include "grid/base/error.h"
 
 namespace ivory {
-
-V3f place(const ViewObject& object, double time_s) { return object.offset_m + offset_at(object.path, time_s); }
-
-ViewObject make_object(std::string name, Scene scene, const V3f& offset_m, bool moves) {
-  if (scene.instances.empty()) throw Error(scene.name, "has no triangles", "give a model with a mesh");
-  ViewObject object;
-  object.name = std::move(name);
-  object.scene = std::make_unique<Scene>(std::move(scene));
-  object.intersector = std::make_unique<Intersector>(*object.scene);
-  object.offset_m = offset_m;
-  object.moves = moves;
-  return object;
-}
 
 void measure(ViewWorld& world) {
   // The sphere that an Intersector of all of them together would have, so that a framing view is that of ivory render.

@@ -26,8 +26,7 @@ struct RowShares {
 
 }  // namespace
 
-Capture capture_cube(const Intersector& intersector, const Lights& lights, const V3f& origin,
-                     const CaptureParams& params) {
+Capture capture_cube(const LitScene& lit, const V3f& origin, const CaptureParams& params) {
   const int size = params.size;
   const std::size_t texels = std::size_t(cube_faces) * std::size_t(size) * std::size_t(size);
   check_memory("a capture of 6x" + std::to_string(size) + "x" + std::to_string(size) + " texels", double(texels) * 16,
@@ -57,22 +56,22 @@ Capture capture_cube(const Intersector& intersector, const Lights& lights, const
       random.begin_sample(std::uint32_t(k), key, even_calls);
       const V2f u = random.next2();
       const Ray ray = ray_through(face, double(row) + double(u.y), double(column) + double(u.x), random);
-      const Rgb radiance = params.grid != nullptr ? trace_gather(intersector, lights, *params.grid, ray, gather, random)
-                                                  : trace_path(intersector, lights, ray, path, random);
+      const Rgb radiance = params.grid != nullptr ? trace_gather(lit, *params.grid, ray, gather, random)
+                                                  : trace_path(lit, ray, path, random);
       for (int c = 0; c < 3; ++c) sum[c] += double(radiance[c]);
     }
     for (int c = 0; c < 3; ++c)
       cube.radiance.texels[i][c] = float(std::min(sum[c] / params.samples, double(greatest_radiance_nits)));
 
     const Ray ray = ray_through(face, row + 0.5, column + 0.5, random);
-    const std::optional<Hit> hit = intersector.closest(ray);
+    const std::optional<Hit> hit = lit.intersector.closest(ray);
     cube.inverse_distance[i] = hit ? 1 / std::max(hit->t, least_depth_m) : 0.0F;
     const double solid_angle = cube_texel_solid_angle(size, row, column);
     if (!hit) {
       shares.sky += solid_angle;
       return;
     }
-    const Scene& scene = intersector.scene();
+    const Scene& scene = *lit.scene;
     const Mesh& mesh = scene.meshes[std::size_t(scene.instances[std::size_t(hit->instance)].mesh)];
     const bool single_sided = !scene.materials[std::size_t(mesh.material)].double_sided;
     if (single_sided && ray.direction.dot(hit->ng) > 0) shares.back += solid_angle;

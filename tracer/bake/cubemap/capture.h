@@ -25,10 +25,9 @@ struct Capture {
   double back_share = 0;
 };
 
-// All light that arrives at `origin`: emitted, reflected, the environment's. What has no surface, punctual lights, is
-// not seen itself, only what it lights. Surfaces shine to both sides as they do for light, not as for the eye. Does not
-// depend on threads. Throws Error where the map does not fit into memory.
-Capture capture_cube(const Intersector& intersector, const Lights& lights, const V3f& origin,
-                     const CaptureParams& params);
+// All light that arrives at world point `origin`, in nits: emitted, reflected, the environment's. Punctual lights have
+// no surface to be seen by; only what they light is seen. Back faces are not culled as for the eye. Does not depend on
+// threads. Throws Error where the map does not fit into memory.
+Capture capture_cube(const LitScene& lit, const V3f& origin, const CaptureParams& params);
 
 }  // namespace ivory

@@ -118,29 +118,29 @@ GridFrame default_frame(const Scene& scene, const GridBakeParams& params) {
   return frame;
 }
 
-int affordable_threads(const Scene& scene, const Lights& lights, const GridFrame& frame, const GridBakeParams& params) {
+int affordable_threads(const LitScene& lit, const GridFrame& frame, const GridBakeParams& params) {
   const int threads = params.threads > 0 ? params.threads : tbb::this_task_arena::max_concurrency();
   const double sums = double(frame.vertex_count()) * sum_layout(params.basis, params.estimator).stride();
   // What the threads share: sums, once more while they are sorted, and the grid. Each adds to its own, 4 bytes a lane,
   // twice where photons of weak lights have sums of a finer unit.
   const double shared = sums * 16 + double(frame.vertex_count()) * (double(function_count(params.basis)) * 12 + 64);
-  const double own = sums * (fine_bits(lights.photon_power()) != 0 ? 8 : 4);
+  const double own = sums * (fine_bits(lit.lights.photon_power()) != 0 ? 8 : 4);
   const double limit = params.max_memory_bytes != 0 ? double(params.max_memory_bytes) : 0.75 * available_memory_bytes();
   if (shared + own <= limit) return int(std::min(double(threads), (limit - shared) / own));
   constexpr double gib = 1024.0 * 1024 * 1024;
-  throw Error(scene.name,
+  throw Error(lit.scene->name,
               fmt::format("a grid of {}x{}x{} vertices needs {:.1f} GiB to bake and {:.1f} GiB may be used",
                           frame.size.x, frame.size.y, frame.size.z, (shared + own) / gib, limit / gib),
               "ask for a lower --resolution, or for a part of the scene by --bounds");
 }
 
-GridAccumulator bake_grid_sums(const Intersector& intersector, const Lights& lights, const GridBakeParams& params) {
-  const Scene& scene = intersector.scene();
-  if (lights.empty())
+GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params) {
+  const Scene& scene = *lit.scene;
+  if (lit.lights.empty())
     throw Error(scene.name, "nothing in it shines", "add a light or an emissive material, or give --env");
   const GridFrame frame = params.frame ? *params.frame : default_frame(scene, params);
   const SumLayout layout = sum_layout(params.basis, params.estimator);
-  const int threads = affordable_threads(scene, lights, frame, params);
+  const int threads = affordable_threads(lit, frame, params);
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, std::size_t(threads));
 
   const std::uint64_t photons = params.photons != 0
@@ -155,7 +155,7 @@ GridAccumulator bake_grid_sums(const Intersector& intersector, const Lights& lig
 
   std::vector<std::uint64_t> masks = params.guard == Guard::off
                                          ? std::vector<std::uint64_t>(frame.vertex_count(), ~std::uint64_t(0))
-                                         : vertex_cell_masks(intersector, frame);
+                                         : vertex_cell_masks(lit.intersector, frame);
   if (params.dynamic_regions) {
     const std::vector<bool> kept = kept_vertices(scene, frame, *params.dynamic_regions);
     for (std::size_t v = 0; v < masks.size(); ++v) {
@@ -165,16 +165,16 @@ GridAccumulator bake_grid_sums(const Intersector& intersector, const Lights& lig
   GridAccumulator result;
   result.visible_fraction = visible_fractions(masks);
   const PhotonTracer tracer(
-      intersector, lights,
-      {.max_bounces = params.max_bounces, .include_direct = params.include_direct, .seed = params.seed});
+      lit, {.max_bounces = params.max_bounces, .include_direct = params.include_direct, .seed = params.seed});
   if (params.guard != Guard::off) {
     const std::uint64_t scouts = std::min(photons, scout_photons_a_vertex * frame.vertex_count());
-    const std::vector<bool> lit = lit_vertices(tracer, frame, masks, scouts);
-    result.guard = fit_guard(intersector, frame, result.visible_fraction, lit);
+    const std::vector<bool> reached = lit_vertices(tracer, frame, masks, scouts);
+    result.guard = fit_guard(lit.intersector, frame, result.visible_fraction, reached);
   }
 
-  DepositTarget target = make_deposit_target(frame, params.basis, params.estimator, lights.photon_power().strongest_lm,
-                                             std::move(masks), fine_bits(lights.photon_power()));
+  DepositTarget target =
+      make_deposit_target(frame, params.basis, params.estimator, lit.lights.photon_power().strongest_lm,
+                          std::move(masks), fine_bits(lit.lights.photon_power()));
   struct Worker {
     PhotonDepositor depositor;
     std::vector<PhotonSegment> segments;

@@ -6,8 +6,7 @@
 #include <utility>
 
 #include "grid/field/accumulator.h"
-#include "tracer/core/intersector.h"
-#include "tracer/lights/lights.h"
+#include "tracer/core/lit_scene.h"
 
 namespace ivory {
 
@@ -34,18 +33,18 @@ struct GridBakeParams {
       progress;  // photons; called from any thread, one at a time
 };
 
-// The grid's placement: `bounds`, or those of the scene along the grid's axes, tiled exactly by resolution; or by cubic
-// voxels, centred. Sides that are flat get a twentieth of the longest side. A turn by rotate_y_deg takes world +Z
-// towards +X. Throws Error for a scene without extent
-// and UsageError for a resolution that is below 2 or too large to number.
+// Where the grid lies: it tiles `bounds`, or those of the scene along the grid's axes, exactly by `resolution` or,
+// about their centre, by cubic voxels. Flat sides get a twentieth of the longest. A turn by rotate_y_deg takes world +Z
+// towards +X. Throws Error for a scene without extent, and UsageError for a resolution or voxel size that is below 2
+// vertices an axis, not finite, or too fine to number the vertices.
 GridFrame default_frame(const Scene& scene, const GridBakeParams& params);
 
-// How many of params.threads (0: all) can bake that grid within params.max_memory_bytes: each needs sums of its own.
-// Throws Error where memory would not suffice for one.
-int affordable_threads(const Scene& scene, const Lights& lights, const GridFrame& frame, const GridBakeParams& params);
+// How many of params.threads (0: all) can bake that grid within params.max_memory_bytes: each needs sums of its own. At
+// least 1; throws Error where memory would not suffice for one.
+int affordable_threads(const LitScene& lit, const GridFrame& frame, const GridBakeParams& params);
 
-// By affordable_threads(); the bytes do not depend on them. Throws Error where nothing shines, or where memory would
-// not suffice.
-GridAccumulator bake_grid_sums(const Intersector& intersector, const Lights& lights, const GridBakeParams& params);
+// Traces the photons and returns what they left, on affordable_threads(); the sums do not depend on how many. Throws
+// Error where nothing shines, where memory would not suffice, and as default_frame() does.
+GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params);
 
 }  // namespace ivory

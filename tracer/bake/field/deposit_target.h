@@ -38,9 +38,9 @@ DepositTarget make_deposit_target(const GridFrame& frame, Basis basis, Estimator
 // The fine bits that a scene's lights ask for. Where a sun shines into a scene, the photons of a lamp indoors may
 // carry a millionth of the strongest power: rounded to 2^-18 of that, the lamp's room would be dark, not noisy. 12
 // bits make the quanta 2^-30, at which the 64-bit sums still hold 2^31 of the strongest deposits in one voxel, of
-// which the second moment may be 3 units of 2^30; what is weaker yet is rounded at random (see photon_deposit.cpp).
-// None where all photons are above 2^-6 of the strongest, as with a single light: their deposits are 2^12 coarse
-// units, and second moments 2^6.
+// which the second moment may be 3 units of 2^30; what is weaker yet is rounded at random (see
+// tracer/bake/field/photon_deposit.cpp). None where all photons are above 2^-6 of the strongest, as with a single
+// light: their deposits are 2^12 coarse units, and second moments 2^6.
 int fine_bits(const Lights::PhotonPower& power);
 
 // The sums as a GridAccumulator keeps them, [vertex][slot][lane].

@@ -44,13 +44,13 @@ void find_bounding_sphere(const std::vector<V3d>& points, V3d& center, double& r
   center = best;
 }
 
-// A ball of light is no occluder: it shines by itself.
+// A spherical light is no occluder: it shines by itself.
 bool is_light(const Scene& scene, std::size_t instance) {
   return std::any_of(scene.sphere_lights.begin(), scene.sphere_lights.end(),
                      [&](const SphereLight& light) { return light.instance == int(instance); });
 }
 
-// Three corners a triangle of the instances marked in `is_part`, all where that is empty; balls of light left out.
+// Three corners a triangle of the instances marked in `is_part`, all where that is empty; spherical lights left out.
 std::vector<V3d> world_points(const Scene& scene, const std::vector<bool>& is_part) {
   std::vector<V3d> points;
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {

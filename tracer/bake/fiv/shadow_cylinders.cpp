@@ -20,7 +20,7 @@ ShadowCylinders trace_shadow_cylinders(const Intersector& object, std::span<cons
   out.depth.assign(w.size() * pixels, ShadowCylinders::no_depth);
   const float pixel = 2.0F / float(resolution);
   tbb::parallel_for(std::size_t(0), w.size(), [&](std::size_t k) {
-    const Frame frame = out.frames[k] = make_frame(w[k]);
+    const ShadingFrame frame = out.frames[k] = make_shading_frame(w[k]);
     float* depth = out.depth.data() + k * pixels;
     for (int row = 0; row < resolution; ++row) {
       const float v = (float(row) + 0.5F) * pixel - 1;

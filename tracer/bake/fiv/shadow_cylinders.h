@@ -16,9 +16,9 @@ namespace ivory {
 
 // The pictures of a run of directions.
 struct ShadowCylinders {
-  int resolution = 0;         // pixels along a side of the square [-1, 1]^2 about the origin
-  std::vector<Frame> frames;  // z towards the light, x and y along the picture's columns and rows
-  std::vector<float> depth;   // w x rows x columns: largest q.w on the object, no_depth beside it
+  int resolution = 0;                // pixels along a side of the square [-1, 1]^2 about the origin
+  std::vector<ShadingFrame> frames;  // z towards the light, x and y along the picture's columns and rows
+  std::vector<float> depth;          // w x rows x columns: largest q.w on the object, no_depth beside it
   static constexpr float no_depth = -std::numeric_limits<float>::infinity();
 };
 

@@ -9,8 +9,8 @@
 #include <tbb/parallel_for.h>
 
 #include "grid/base/error.h"
-#include "tracer/bake/spheres/ball_fit.h"
 #include "tracer/bake/spheres/mesh_orientation.h"
+#include "tracer/bake/spheres/packing.h"
 #include "tracer/bake/spheres/winding_number.h"
 #include "tracer/core/low_discrepancy.h"
 
@@ -83,9 +83,9 @@ std::vector<V3d> surface_samples(const std::vector<Triangle3d>& triangles, std::
   return points;
 }
 
-double signed_distance(const std::vector<Ball>& balls, const V3d& p) {
+double signed_distance(const std::vector<PackedSphere>& spheres, const V3d& p) {
   double least = std::numeric_limits<double>::infinity();
-  for (const Ball& ball : balls) least = std::min(least, (p - ball.center).length() - ball.radius);
+  for (const PackedSphere& sphere : spheres) least = std::min(least, (p - sphere.center).length() - sphere.radius);
   return least;
 }
 
@@ -97,10 +97,11 @@ struct SurfaceErrors {
 };
 constexpr double surface_tolerance = 0.02;
 
-SurfaceErrors surface_errors(const std::vector<Ball>& balls, const std::vector<V3d>& points, double bounding_radius) {
+SurfaceErrors surface_errors(const std::vector<PackedSphere>& spheres, const std::vector<V3d>& points,
+                             double bounding_radius) {
   SurfaceErrors errors;
   for (const V3d& p : points) {
-    const double d = signed_distance(balls, p) / bounding_radius;
+    const double d = signed_distance(spheres, p) / bounding_radius;
     errors.mean += std::abs(d) / double(points.size());
     errors.farthest = std::max(errors.farthest, d);
     errors.uncovered += d > surface_tolerance ? 1.0 / double(points.size()) : 0;
@@ -117,19 +118,19 @@ int choose_resolution(const SphereFitParams& params) {
 }
 
 // The fit's own voxels are too kind a judge: volumes are measured on points of a low-discrepancy sequence over the box
-// of mesh and balls.
-void measure_volumes(const WindingNumber& winding, const Normalised& mesh, const std::vector<Ball>& balls,
+// of mesh and spheres.
+void measure_volumes(const WindingNumber& winding, const Normalised& mesh, const std::vector<PackedSphere>& spheres,
                      bool is_solid, SphereFitErrors& errors) {
   V3d low(0, 0, 0);
   V3d high = mesh.size;
-  for (const Ball& ball : balls) {
+  for (const PackedSphere& sphere : spheres) {
     for (int k = 0; k < 3; ++k) {
-      low[k] = std::min(low[k], ball.center[k] - ball.radius);
-      high[k] = std::max(high[k], ball.center[k] + ball.radius);
+      low[k] = std::min(low[k], sphere.center[k] - sphere.radius);
+      high[k] = std::max(high[k], sphere.center[k] + sphere.radius);
     }
   }
   constexpr std::size_t count = 1U << 18U;
-  std::vector<std::uint8_t> kinds(count);  // 1: in the mesh, 2: in a ball
+  std::vector<std::uint8_t> kinds(count);  // 1: in the mesh, 2: in a sphere
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count), [&](const tbb::blocked_range<std::size_t>& range) {
     for (std::size_t i = range.begin(); i < range.end(); ++i) {
       // The R3 sequence: multiples of powers of 1/1.2207..., the root of x^4 = x + 1 (Roberts 2018).
@@ -138,7 +139,7 @@ void measure_volumes(const WindingNumber& winding, const Normalised& mesh, const
       const V3d u(n / g - std::floor(n / g), n / (g * g) - std::floor(n / (g * g)),
                   n / (g * g * g) - std::floor(n / (g * g * g)));
       const V3d p(low.x + u.x * (high.x - low.x), low.y + u.y * (high.y - low.y), low.z + u.z * (high.z - low.z));
-      kinds[i] = std::uint8_t((std::abs(winding.at(p)) > 0.5 ? 1 : 0) | (signed_distance(balls, p) < 0 ? 2 : 0));
+      kinds[i] = std::uint8_t((std::abs(winding.at(p)) > 0.5 ? 1 : 0) | (signed_distance(spheres, p) < 0 ? 2 : 0));
     }
   });
   double counts[4] = {0, 0, 0, 0};
@@ -225,7 +226,7 @@ SphereFit fit_spheres(const Scene& scene, const SphereFitParams& params) {
 
   const std::vector<V3d> samples = surface_samples(mesh.triangles, 20'000);
   const double bounding_radius = bounding_radius_of(mesh);
-  std::vector<Ball> balls;
+  std::vector<PackedSphere> spheres;
   SurfaceErrors surface;
   const std::array<int, 3> weights{0, 4, 16};
   std::size_t attempt = fit.solid ? 0 : 1;
@@ -234,41 +235,42 @@ SphereFit fit_spheres(const Scene& scene, const SphereFitParams& params) {
     voxels.score.resize(count);
     for (std::size_t i = 0; i < count; ++i)
       voxels.score[i] = std::int8_t((inside[i] != 0 ? 1 : -1) + (on_surface[i] != 0 ? weight : 0));
-    BallFitParams ball_params;
-    ball_params.count = params.count;
-    ball_params.rounds = params.rounds;
-    ball_params.sheets = weight > 0;
-    ball_params.progress = [&](double fraction) {
+    SpherePackingParams packing;
+    packing.count = params.count;
+    packing.rounds = params.rounds;
+    packing.sheets = weight > 0;
+    packing.progress = [&](double fraction) {
       if (params.progress) params.progress((double(attempt) + fraction) / double(weights.size()));
     };
-    std::vector<Ball> found = fit_balls(voxels, ball_params);
-    for (Ball& ball : found) {
-      ball.center = (ball.center - V3d(padding, padding, padding)) * voxel;
-      ball.radius *= voxel;
+    std::vector<PackedSphere> found = pack_spheres(voxels, packing);
+    for (PackedSphere& sphere : found) {
+      sphere.center = (sphere.center - V3d(padding, padding, padding)) * voxel;
+      sphere.radius *= voxel;
     }
     const SurfaceErrors errors =
         found.empty() ? SurfaceErrors{1, 1, 1} : surface_errors(found, samples, bounding_radius);
     // Kept where it covers clearly more than what there was.
-    if (balls.empty() || errors.uncovered < 0.75 * surface.uncovered) {
-      balls = std::move(found);
+    if (spheres.empty() || errors.uncovered < 0.75 * surface.uncovered) {
+      spheres = std::move(found);
       surface = errors;
       fit.surface_weight = weight;
     }
-    if (attempt + 1 == weights.size() || (!balls.empty() && surface.uncovered < 0.4)) break;
+    if (attempt + 1 == weights.size() || (!spheres.empty() && surface.uncovered < 0.4)) break;
   }
-  if (balls.empty())
+  if (spheres.empty())
     throw Error(scene.name, "has parts too thin for spheres to cover", "thicken it, or ask for more --count");
 
-  measure_volumes(winding, mesh, balls, fit.solid, fit.errors);
+  measure_volumes(winding, mesh, spheres, fit.solid, fit.errors);
   fit.errors.surface_uncovered = surface.uncovered;
   fit.errors.surface_mean = surface.mean;
   fit.errors.surface_farthest = surface.farthest;
   fit.errors.bounding_radius_m = bounding_radius * mesh.scale;
   // Large first: the first spheres of a list are the ones to keep where few are asked for.
-  std::stable_sort(balls.begin(), balls.end(), [](const Ball& a, const Ball& b) { return a.radius > b.radius; });
-  for (const Ball& ball : balls) {
-    const V3d center = mesh.origin + ball.center * mesh.scale;
-    fit.set.spheres.push_back({V3f(center), float(ball.radius * mesh.scale)});
+  std::stable_sort(spheres.begin(), spheres.end(),
+                   [](const PackedSphere& a, const PackedSphere& b) { return a.radius > b.radius; });
+  for (const PackedSphere& sphere : spheres) {
+    const V3d center = mesh.origin + sphere.center * mesh.scale;
+    fit.set.spheres.push_back({V3f(center), float(sphere.radius * mesh.scale)});
   }
   return fit;
 }

@@ -1,0 +1,150 @@
+#include "tools/view/session/assets.h"
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <utility>
+
+#include "grid/base/error.h"
+#include "grid/io/difmap.h"
+#include "grid/io/fiv.h"
+#include "grid/io/sh9.h"
+#include "grid/io/sphere_set.h"
+#include "tools/cli/vdb_input.h"
+
+namespace ivory {
+
+namespace {
+
+std::string text_of(const Metadata& metadata, const char* key) { return find_text(metadata, key).value_or(""); }
+
+float luminance_vector_length(const float* components) {  // [xyz][rgb]
+  V3f v;
+  for (unsigned c = 0; c < 3; ++c) v[c] = luminance({components[3 * c], components[3 * c + 1], components[3 * c + 2]});
+  return v.length();
+}
+
+float typical_vector(const IrradianceGrid& grid) {
+  if (grid.basis != Basis::vectors) return 0;
+  std::vector<float> lengths;
+  for (std::size_t v = 0; v < grid.frame.vertex_count(); ++v) {
+    if (grid.visible_fraction[v] <= 0) continue;
+    const std::array<float, 54> vectors = hemispheres_from_moments(std::span<const float, 36>(grid.at(v), 36));
+    for (std::size_t h = 0; h < 6; ++h) lengths.push_back(luminance_vector_length(vectors.data() + 9 * h));
+  }
+  if (lengths.empty()) return 0;
+  const auto at = lengths.begin() + std::ptrdiff_t(lengths.size() * 19 / 20);
+  std::nth_element(lengths.begin(), at, lengths.end());
+  return *at;
+}
+
+// Along the axes' six normals, which is enough for a first guess.
+Rgb mean_irradiance(const IrradianceGrid& grid) {
+  V3d sum(0, 0, 0);
+  double count = 0;
+  for (std::size_t v = 0; v < grid.frame.vertex_count(); ++v) {
+    if (grid.visible_fraction[v] <= 0) continue;
+    for (unsigned axis = 0; axis < 6; ++axis) {
+      V3f n(0, 0, 0);
+      n[axis / 2] = axis % 2 == 0 ? 1.0F : -1.0F;
+      const Rgb e = irradiance(grid.basis, Reconstruction::optimal, grid.at(v), n);
+      sum += V3d(double(e.x), double(e.y), double(e.z));
+      ++count;
+    }
+  }
+  if (count > 0) sum /= count;
+  return {float(sum.x), float(sum.y), float(sum.z)};
+}
+
+Rgb mean_irradiance(const DifMap& map) {
+  V3d sum(0, 0, 0);
+  for (const Rgb& e : map.e.texels) sum += V3d(double(e.x), double(e.y), double(e.z));
+  sum /= double(map.e.texels.size());
+  return {float(sum.x), float(sum.y), float(sum.z)};
+}
+
+GridAsset make_grid_asset(const std::string& path, const IrradianceGrid& grid) {
+  GridAsset asset;
+  asset.gpu = upload(grid, {}, path);
+  asset.visible_fraction =
+      gl::make_texture_3d(path, gl::Format::r16f, grid.frame.size, grid.visible_fraction.data(), gl::Filter::nearest);
+  asset.typical_vector_lux = typical_vector(grid);
+  asset.mean_e_lux = mean_irradiance(grid);
+  asset.holds_direct = grid.light != StoredLight::indirect;
+  asset.scene_hash = text_of(grid.metadata, "scene_hash");
+  return asset;
+}
+
+std::unique_ptr<ViewAsset> make_asset(const std::string& path, AssetData data, std::string environment_hash = {}) {
+  return std::make_unique<ViewAsset>(ViewAsset{path, std::move(data), std::move(environment_hash)});
+}
+
+}  // namespace
+
+FileKind ViewAsset::kind() const {
+  constexpr std::array<FileKind, std::variant_size_v<AssetData>> kinds{
+      FileKind::grid,    FileKind::sh9,   FileKind::difmap, FileKind::fiv,
+      FileKind::cubemap, FileKind::lobes, FileKind::spheres};
+  return kinds[data.index()];
+}
+
+std::string ViewAsset::label() const { return std::filesystem::path(path).filename().string(); }
+
+std::size_t ViewAsset::bytes() const {
+  struct Bytes {
+    std::size_t operator()(const GridAsset& grid) const { return grid.gpu.bytes() + grid.visible_fraction.bytes(); }
+    std::size_t operator()(const DifMapAsset& map) const { return map.gpu.bytes(); }
+    std::size_t operator()(const GpuSh9& sh) const { return sh.bytes(); }
+    std::size_t operator()(const GpuLocalizedCube& cube) const { return cube.bytes(); }
+    std::size_t operator()(const GpuLobes& lobes) const { return lobes.bytes(); }
+    std::size_t operator()(const FivTable&) const { return 0; }
+    std::size_t operator()(const SphereSetAsset&) const { return 0; }
+  };
+  return std::visit(Bytes{}, data);
+}
+
+std::unique_ptr<ViewAsset> load_view_asset(const std::string& path, FileKind kind) {
+  switch (kind) {
+    case FileKind::grid:
+      return make_asset(path, make_grid_asset(path, load_grid_vdb(path)));
+    case FileKind::sh9: {
+      const Sh9Asset sh9 = read_sh9(path);
+      return make_asset(path, upload(sh9.sh), text_of(sh9.metadata, "environment_hash"));
+    }
+    case FileKind::difmap:
+      return make_view_difmap(path, read_difmap(path));
+    case FileKind::cubemap:
+      return make_asset(path, load_localized_cube(path));
+    case FileKind::fiv: {
+      FivTable table = read_fiv(path);
+      std::string hash = text_of(table.metadata, "environment_hash");
+      return make_asset(path, std::move(table), std::move(hash));
+    }
+    case FileKind::lobes:
+      return make_asset(path, load_lobes(path));
+    case FileKind::spheres:
+      return make_asset(path, SphereSetAsset{read_spheres(path)});
+    case FileKind::scene:
+    case FileKind::image:
+      break;
+  }
+  throw Error(path, "is no asset that lights a scene", "give a grid, SH9, DifMap, FIV table, cube map or lobes");
+}
+
+std::unique_ptr<ViewAsset> make_view_difmap(const std::string& path, const DifMap& map) {
+  return make_asset(path, DifMapAsset{upload(map, {}, path), mean_irradiance(map)},
+                    text_of(map.metadata, "environment_hash"));
+}
+
+std::unique_ptr<ViewAsset> make_view_lobes() {
+  return make_asset("lobe table made at start", upload(make_lobe_table()));
+}
+
+const ViewAsset* find_asset(const ViewAssets& assets, FileKind kind) {
+  for (const auto& asset : assets) {
+    if (asset->kind() == kind) return asset.get();
+  }
+  return nullptr;
+}
+
+}  // namespace ivory

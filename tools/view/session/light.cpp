@@ -1,0 +1,148 @@
+#include "tools/view/session/light.h"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "grid/base/error.h"
+#include "tools/view/draw/debug.h"
+#include "tools/view/session/occluders.h"
+
+namespace ivory {
+
+namespace {
+
+// The first asset that the method reads.
+const ViewAsset* asset_for(const ViewSession& session, ViewMethod method) {
+  switch (method) {
+    case ViewMethod::grid:
+      return find_asset(session.assets, FileKind::grid);
+    case ViewMethod::cubemap:
+      return find_asset(session.assets, FileKind::cubemap);
+    case ViewMethod::lobes:
+      return find_asset(session.assets, FileKind::lobes);
+    case ViewMethod::sh9:
+      return find_asset(session.assets, FileKind::sh9);
+    case ViewMethod::difmap:
+      return find_asset(session.assets, FileKind::difmap);
+    case ViewMethod::fiv: {
+      // What the environment gives where nothing hides it; SH9 is the second choice.
+      const ViewAsset* difmap = find_asset(session.assets, FileKind::difmap);
+      return difmap != nullptr ? difmap : find_asset(session.assets, FileKind::sh9);
+    }
+    default:
+      return nullptr;
+  }
+}
+
+// A set that was fitted to an object's file goes where the object goes.
+V3f place_of_spheres(const ViewSession& session, const SphereSetAsset& spheres) {
+  const auto hash = spheres.set.metadata.find("mesh_hash");
+  if (hash == spheres.set.metadata.end()) return spheres.offset_m;
+  for (const ViewObject& object : session.world.objects) {
+    if (object.moves && hash->second == MetaValue(object.scene->content_hash))
+      return spheres.offset_m + place(object, session.world.time_s);
+  }
+  return spheres.offset_m;
+}
+
+// Groups of spheres take longer to build than a point of each pixel to draw: only when one of them moved.
+void place_lobes(ViewSession& session) {
+  std::vector<std::pair<const ViewAsset*, V3f>> places;
+  for (const auto& asset : session.assets) {
+    if (const auto* spheres = std::get_if<SphereSetAsset>(&asset->data))
+      places.emplace_back(asset.get(), place_of_spheres(session, *spheres));
+    else if (std::holds_alternative<GpuLobes>(asset->data))
+      places.emplace_back(asset.get(), V3f(0, 0, 0));
+  }
+  if (places == session.lobes_placed) return;
+  std::vector<RuntimeSphereLight> lights;
+  for (const SphereLight& light : session.world.scene().sphere_lights)
+    lights.push_back({{light.center, light.radius_m}, light.radiance_nits});
+  std::vector<Sphere> occluders;
+  for (const auto& [asset, offset] : places) {
+    const auto* spheres = std::get_if<SphereSetAsset>(&asset->data);
+    if (spheres == nullptr) continue;
+    for (const Sphere& sphere : spheres->set.spheres) occluders.push_back({sphere.center + offset, sphere.radius_m});
+  }
+  for (const auto& asset : session.assets) {
+    if (auto* lobes = std::get_if<GpuLobes>(&asset->data)) place(*lobes, lights, occluders);
+  }
+  session.lobes_placed = std::move(places);
+}
+
+}  // namespace
+
+std::string lacks(const ViewSession& session, ViewMethod method) {
+  if (method == ViewMethod::lobes && session.world.scene().sphere_lights.empty())
+    return "the scene has no spherical light (--sphere-light)";
+  if (method == ViewMethod::none || method == ViewMethod::constant) return "";
+  const ViewAsset* asset = asset_for(session, method);
+  if (asset == nullptr) return fmt::format("no asset that method {} reads was given", name_of(method));
+  if (const auto* grid = std::get_if<GridAsset>(&asset->data);
+      grid != nullptr && session.settings.lookup.reconstruction == Reconstruction::paper &&
+      grid->gpu.basis != Basis::vectors)
+    return fmt::format("--reconstruction paper needs a grid of basis vectors, {} has {}", asset->path,
+                       name_of(grid->gpu.basis));
+  if (method == ViewMethod::fiv && !session.fiv_tables) return "no FIV table was given";
+  return "";
+}
+
+std::string lacks(const ViewSession& session, DebugView view) {
+  if (view == DebugView::difference && !session.reference) return "it needs a --reference";
+  if (!needs_grid(view)) return "";
+  if (session.debug_grid == nullptr) return "it shows a grid, and none was given";
+  const GpuGrid& grid = std::get<GridAsset>(session.debug_grid->data).gpu;
+  const bool by_guard = view == DebugView::kept || view == DebugView::guard;
+  if (by_guard && !grid.guarded) return "it needs a grid with a leak guard";
+  const bool six = view == DebugView::vectors || view == DebugView::bracket;
+  if (six && grid.basis != Basis::vectors)
+    return fmt::format("it needs a grid of basis vectors, {} has {}", session.debug_grid->label(), name_of(grid.basis));
+  return "";
+}
+
+void choose_method(ViewSession& session, std::size_t object, ViewMethod method) {
+  if (const std::string lack = lacks(session, method); !lack.empty()) throw UsageError(lack);
+  session.world.objects[object].light = {method, asset_for(session, method)};
+}
+
+void place_lights_and_occluders(ViewSession& session) {
+  if (session.fiv_tables) place_occluders(*session.fiv_tables, session.world);
+  place_lobes(session);
+}
+
+AmbientSource grid_source(const ViewAsset& asset, const ViewSettings& settings) {
+  return ambient(std::get<GridAsset>(asset.data).gpu, {settings.lookup, settings.guard});
+}
+
+AmbientSource ambient_source(const ViewSession& session, std::size_t object) {
+  const ObjectLight& light = session.world.objects[object].light;
+  const ViewSettings& settings = session.settings;
+  switch (light.method) {
+    case ViewMethod::constant:
+      return constant_ambient(settings.constant_e_lux);
+    case ViewMethod::grid:
+      return grid_source(*light.asset, settings);
+    case ViewMethod::cubemap:
+      return ambient(std::get<GpuLocalizedCube>(light.asset->data), settings.cube_method);
+    case ViewMethod::lobes:
+      // What debug views show as irradiance is that of a Lambert surface.
+      return ambient(std::get<GpuLobes>(light.asset->data), surface_debug_shader(settings.debug).empty(),
+                     settings.lobes);
+    case ViewMethod::sh9:
+      return ambient(std::get<GpuSh9>(light.asset->data));
+    case ViewMethod::difmap:
+      return ambient(std::get<DifMapAsset>(light.asset->data).gpu);
+    case ViewMethod::fiv: {
+      const GpuFivTables& tables = *session.fiv_tables;
+      const int self = occluder_index(session.world, object);
+      if (const auto* map = std::get_if<DifMapAsset>(&light.asset->data))
+        return ambient(tables, map->gpu, settings.fiv, self);
+      return ambient(tables, std::get<GpuSh9>(light.asset->data), settings.fiv, self);
+    }
+    default:
+      return no_ambient();
+  }
+}
+
+}  // namespace ivory

@@ -1,0 +1,73 @@
+// One run of the viewer: the world, the assets that light it, and the user's choices; with or without a window. All
+// functions need a current OpenGL context.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "runtime/assets/fiv.h"
+#include "tools/cli/common.h"
+#include "tools/cli/environment_input.h"
+#include "tools/view/session/assets.h"
+#include "tools/view/session/settings.h"
+#include "tools/view/world/world.h"
+#include "tracer/core/film.h"
+
+namespace ivory {
+
+// A picture to compare with.
+struct ReferencePicture {
+  std::string path;
+  Film film;
+  bool is_display = false;  // holds display values (PNG, JPEG), not linear light
+  gl::Texture texture;
+};
+
+struct ViewSession {
+  ViewWorld world;
+  std::vector<RuntimeLight> direct;  // of the scene; max_lights at most
+  ViewAssets assets;
+  std::optional<GpuFivTables> fiv_tables;  // all of the assets'
+  ViewSettings settings;
+  const ViewAsset* debug_grid = nullptr;  // that debug views show
+  std::optional<ReferencePicture> reference;
+  std::vector<std::pair<const ViewAsset*, V3f>> lobes_placed;  // lobe tables and sphere sets, where they were last
+  std::string environment;                                     // name without folders; empty: none
+  std::string environment_hash;                                // of its file
+  std::optional<gl::Texture> sky;
+  std::vector<std::string> notes;  // one line each, for the user: what was left out or chosen
+
+  std::size_t bytes() const;  // on the GPU
+};
+
+struct SessionInput {
+  std::string scene;
+  EnvironmentChoice environment;
+  std::string camera;                  // name or index; empty: as ivory render chooses
+  Imath::V2i size{640, 480};           // of the picture
+  std::vector<std::string> objects;    // FILE@X,Y,Z or NODE
+  std::vector<std::string> paths;      // of the objects, in that order
+  std::vector<std::string> assets;     // files of any kind
+  std::vector<std::string> occluders;  // NODE=TABLE.exr: objects and the tables they were baked into
+  std::vector<std::string> spheres;    // sphere sets: FILE.json or FILE.json@X,Y,Z
+  std::vector<SphereLight> sphere_lights;
+};
+
+// Loads all. Throws UsageError for texts that say nothing, Error for files that cannot be read or drawn.
+ViewSession open_session(const SessionInput& input);
+
+// One more file, given or dropped: a model becomes an object, moved to `at` where that is given; an asset is offered;
+// an image of twice its height's width becomes the environment, another, if of `size`, the reference. Throws Error and
+// leaves the session as it was. Returns what it was taken for, for the user.
+std::string add_file(ViewSession& session, const std::string& path, const std::optional<V3f>& at,
+                     const Imath::V2i& size);
+
+// The picture to compare with. Throws Error where it cannot be read or is not of the size.
+void set_reference(ViewSession& session, const std::string& path, const Imath::V2i& size);
+
+// Takes an object out; nothing for the scene itself, which is object 0.
+void remove_object(ViewSession& session, std::size_t object);
+
+}  // namespace ivory

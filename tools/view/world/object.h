@@ -1,0 +1,43 @@
+// What moves as one: the scene itself, or an object in it.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "runtime/assets/fiv.h"
+#include "tools/view/session/settings.h"
+#include "tools/view/world/model.h"
+#include "tools/view/world/path.h"
+#include "tracer/core/intersector.h"
+#include "tracer/core/scene.h"
+
+namespace ivory {
+
+struct ViewAsset;
+
+// How an object is lit.
+struct ObjectLight {
+  ViewMethod method = ViewMethod::none;
+  const ViewAsset* asset = nullptr;  // that the method reads; null where it reads none
+};
+
+struct ViewObject {
+  std::string name;  // file without folders, or node
+  std::unique_ptr<Scene> scene;
+  std::unique_ptr<Intersector> intersector;  // of that scene, where its file has it
+  GpuModel model;                            // of that scene; empty until it is uploaded
+  V3f offset_m{0, 0, 0};                     // from where its file has it
+  ObjectPath path;                           // on top of the offset
+  bool moves = true;                         // false: the scene itself
+  ObjectLight light;
+  std::optional<GpuFivOccluder> occluder;  // that it is for others, where its file has it
+};
+
+// Where the object is at that time, relative to where its file has it; m.
+V3f place(const ViewObject& object, double time_s);
+
+// Builds Embree's structures, but no model: that needs OpenGL. Throws Error where the scene has no triangles.
+ViewObject make_object(std::string name, Scene scene, const V3f& offset_m, bool moves);
+
+}  // namespace ivory

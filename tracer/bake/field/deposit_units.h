@@ -1,0 +1,79 @@
+// A deposit as integers: its rounding, and adding it to a thread's 32-bit sums. Private to the depositor.
+//
+// Where lights of very different power shine, deposits too small for the coarse unit are counted in quanta
+// instead, 2^fine_bits times smaller, and rounded at random: x becomes floor(x) + 1 with probability x - floor(x) and
+// else floor(x), whose mean is x however small it is. Rounding to the nearest would turn x < 1/2 into 0 each time, a
+// bias that no number of photons removes. It adds at most 1/4 quantum^2 to a deposit's variance. The random numbers
+// are hashed from the segment itself, whose jitter is uniform and which no batch or thread changes.
+#pragma once
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+#include "tracer/render/photon_tracer.h"
+
+namespace ivory {
+
+inline constexpr std::int32_t spill_limit = 1 << 30;
+inline constexpr float largest_step = 1 << 24;  // larger deposits go to the shared sums at once
+
+// Rounds to the nearest for |value| < 2^24; compiles to vector conversions, which lrint does not.
+inline std::int32_t rounded(float value) { return static_cast<std::int32_t>(value + std::copysign(0.5F, value)); }
+
+// Deposits of less than this many coarse units are counted in quanta, of which they are then less than largest_step.
+inline float fine_below(int fine_bits) { return fine_bits == 0 ? 0.0F : std::ldexp(largest_step, -fine_bits); }
+
+// An integer hash of little bias (Wellons, "Prospecting for Hash Functions", 2018).
+inline std::uint32_t mixed(std::uint32_t x) {
+  x ^= x >> 16U;
+  x *= 0x7feb352dU;
+  x ^= x >> 15U;
+  x *= 0x846ca68bU;
+  return x ^ (x >> 16U);
+}
+
+inline std::uint32_t rounding_key(const PhotonSegment& segment) {
+  std::uint32_t key = 0;
+  for (const float x : {segment.jitter, segment.direction.x, segment.direction.y, segment.origin.x, segment.origin.z})
+    key = mixed(key ^ std::bit_cast<std::uint32_t>(x)) + 0x9e3779b9U;
+  return key;
+}
+
+// Rounds coarse units to whole quanta at random.
+inline std::int32_t rounded_at_random(float value, int fine_bits, std::uint32_t key, std::size_t lane) {
+  const double quanta = std::ldexp(double(value), fine_bits);
+  const double whole = std::floor(quanta);
+  const std::uint32_t u = mixed(key + 0x9e3779b9U * static_cast<std::uint32_t>(lane + 1));
+  return static_cast<std::int32_t>(whole) + (double(u) < (quanta - whole) * 0x1p32 ? 1 : 0);
+}
+
+// Adds a step's values to a cell's lanes; true where one of them has come near overflow. Four lanes at a
+// time by hand (GCC and Clang's vector extension): both compilers unroll the plain loop into scalars.
+// Unsigned, because the test for the limit is meant to wrap.
+using UInt4 [[gnu::vector_size(16)]] = std::uint32_t;
+
+template <int lanes>
+inline bool add(std::int32_t* sums, const std::int32_t* values) {
+  constexpr std::size_t whole = lanes / 4 * 4;
+  constexpr std::uint32_t limit = spill_limit;
+  UInt4 outside{};
+  for (std::size_t i = 0; i < whole; i += 4) {
+    UInt4 sum;
+    UInt4 value;
+    std::memcpy(&sum, sums + i, sizeof(sum));
+    std::memcpy(&value, values + i, sizeof(value));
+    sum += value;
+    std::memcpy(sums + i, &sum, sizeof(sum));
+    outside |= sum + limit;  // the top bit is set once |sum| passes the limit
+  }
+  std::uint32_t any = outside[0] | outside[1] | outside[2] | outside[3];
+  for (std::size_t i = whole; i < lanes; ++i) {
+    sums[i] += values[i];
+    any |= static_cast<std::uint32_t>(sums[i]) + limit;
+  }
+  return (any >> 31U) != 0;
+}
+
+}  // namespace ivory
