@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <ImathMatrixAlgo.h>
+
 namespace ivory {
 
 namespace {
@@ -22,51 +24,18 @@ constexpr std::array<double, 9> cosine{pi_d,     2 * pi_d / 3, 2 * pi_d / 3, 2 *
                                        pi_d / 4, pi_d / 4,     pi_d / 4,     pi_d / 4};
 constexpr int band(std::size_t i) { return i == 0 ? 0 : (i < 4 ? 1 : 2); }
 
-// Eigenvalues and eigenvectors (columns of v) of a symmetric matrix, by Jacobi rotations.
-void diagonalise(double a[3][3], double v[3][3]) {
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) v[i][j] = i == j ? 1 : 0;
-  for (int sweep = 0; sweep < 30; ++sweep) {
-    for (int p = 0; p < 2; ++p) {
-      for (int q = p + 1; q < 3; ++q) {
-        if (a[p][q] == 0) continue;
-        const double angle = 0.5 * std::atan2(2 * a[p][q], a[q][q] - a[p][p]);
-        const double c = std::cos(angle);
-        const double s = std::sin(angle);
-        for (int k = 0; k < 3; ++k) {
-          const double x = a[k][p];
-          const double y = a[k][q];
-          a[k][p] = c * x - s * y;
-          a[k][q] = s * x + c * y;
-        }
-        for (int k = 0; k < 3; ++k) {
-          const double x = a[p][k];
-          const double y = a[q][k];
-          a[p][k] = c * x - s * y;
-          a[q][k] = s * x + c * y;
-        }
-        for (int k = 0; k < 3; ++k) {
-          const double x = v[k][p];
-          const double y = v[k][q];
-          v[k][p] = c * x - s * y;
-          v[k][q] = s * x + c * y;
-        }
-      }
-    }
-  }
-}
-
 // min of n A n + 2 b n + c over the unit sphere. In A's own axes a Lagrange multiplier m gives n_i = -b_i / (a_i - m);
 // the minimum is where m <= min a_i and |n| = 1. |n| grows with m, so bisection finds it; where b has no part along the
 // least axis and |n| stays below one, the rest lies along that axis.
-double least_on_sphere(double a[3][3], const double b[3], double c) {
-  double v[3][3];
-  diagonalise(a, v);
-  const std::array<double, 3> value{a[0][0], a[1][1], a[2][2]};
+double least_on_sphere(Imath::M33d a, const V3d& b, double c) {
+  V3d eigenvalues;
+  Imath::M33d v;  // eigenvectors, its columns
+  Imath::jacobiEigenSolver(a, eigenvalues, v);
+  const std::array<double, 3> value{eigenvalues.x, eigenvalues.y, eigenvalues.z};
   std::array<double, 3> part{};
   double length = 0;
   for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t k = 0; k < 3; ++k) part[i] += v[k][i] * b[k];
+    for (std::size_t k = 0; k < 3; ++k) part[i] += v[int(k)][int(i)] * b[int(k)];
     length += part[i] * part[i];
   }
   length = std::sqrt(length);
@@ -174,9 +143,8 @@ V3d minimum_irradiance(const Sh9& sh) {
   V3d out;
   for (std::size_t c = 0; c < 3; ++c) {
     const auto& m = matrices[c];
-    double a[3][3] = {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}};
-    const double b[3] = {m[3], m[7], m[11]};
-    out[int(c)] = least_on_sphere(a, b, m[15]);
+    const Imath::M33d a(m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]);
+    out[int(c)] = least_on_sphere(a, V3d(m[3], m[7], m[11]), m[15]);
   }
   return out;
 }
