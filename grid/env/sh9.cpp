@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <ImathMatrixAlgo.h>
 
 namespace ivory {
 
 namespace {
-
-constexpr double pi_d = 3.14159265358979323846;
 
 // Eq. 3: sqrt(1/(4 pi)), sqrt(3/(4 pi)), sqrt(15/(4 pi)), sqrt(5/(16 pi)), sqrt(15/(16 pi)).
 constexpr double y0 = 0.28209479177387814;
@@ -20,8 +19,9 @@ constexpr double y22 = 0.54627421529603953;
 
 // The factor of each basis function, and the clamped cosine's coefficient of its band (eq. 9).
 constexpr std::array<double, 9> basis_factor{y0, y1, y1, y1, y2, y2, y20, y2, y22};
-constexpr std::array<double, 9> cosine{pi_d,     2 * pi_d / 3, 2 * pi_d / 3, 2 * pi_d / 3, pi_d / 4,
-                                       pi_d / 4, pi_d / 4,     pi_d / 4,     pi_d / 4};
+constexpr std::array<double, 9> cosine{std::numbers::pi,         2 * std::numbers::pi / 3, 2 * std::numbers::pi / 3,
+                                       2 * std::numbers::pi / 3, std::numbers::pi / 4,     std::numbers::pi / 4,
+                                       std::numbers::pi / 4,     std::numbers::pi / 4,     std::numbers::pi / 4};
 constexpr int band(std::size_t i) { return i == 0 ? 0 : (i < 4 ? 1 : 2); }
 
 // min of n A n + 2 b n + c over the unit sphere. In A's own axes a Lagrange multiplier m gives n_i = -b_i / (a_i - m);
@@ -97,11 +97,11 @@ V3d irradiance_polynomial(const Sh9& sh, const V3d& n) {
 
 // Eq. 12; its constants are c1 = pi/4 y22, c2 = pi/3 y1, c3 = 3 pi/4 y20, c4 = pi y0, c5 = pi/4 y20.
 Sh9Matrices sh9_matrices(const Sh9& sh) {
-  constexpr double c1 = pi_d / 4 * y22;
-  constexpr double c2 = pi_d / 3 * y1;
-  constexpr double c3 = 3 * pi_d / 4 * y20;
-  constexpr double c4 = pi_d * y0;
-  constexpr double c5 = pi_d / 4 * y20;
+  constexpr double c1 = std::numbers::pi / 4 * y22;
+  constexpr double c2 = std::numbers::pi / 3 * y1;
+  constexpr double c3 = 3 * std::numbers::pi / 4 * y20;
+  constexpr double c4 = std::numbers::pi * y0;
+  constexpr double c5 = std::numbers::pi / 4 * y20;
   Sh9Matrices out{};
   for (std::size_t channel = 0; channel < 3; ++channel) {
     const auto l = [&](std::size_t i) { return sh.coefficients[i][unsigned(channel)]; };
@@ -156,7 +156,7 @@ Sh9 windowed(const Sh9& sh, const Sh9Window& window) {
 }
 
 Sh9Window hann_window(double width) {
-  return {0.5 * (1 + std::cos(pi_d / width)), 0.5 * (1 + std::cos(2 * pi_d / width))};
+  return {0.5 * (1 + std::cos(std::numbers::pi / width)), 0.5 * (1 + std::cos(2 * std::numbers::pi / width))};
 }
 
 // The polynomials that are nowhere negative form a convex set, and for light that is nowhere negative it holds band 0
@@ -213,7 +213,7 @@ Sh9Window least_window(const Sh9& sh) {
 std::array<V3d, 9> in_dialect(const Sh9& sh, Sh9Dialect dialect) {
   std::array<V3d, 9> out = sh.coefficients;
   for (std::size_t i = 0; i < 9; ++i) {
-    if (dialect == Sh9Dialect::filament) out[i] *= cosine[i] * basis_factor[i] / pi_d;
+    if (dialect == Sh9Dialect::filament) out[i] *= cosine[i] * basis_factor[i] / std::numbers::pi;
     if (dialect == Sh9Dialect::ext_lights_image_based) out[i] *= cosine[i];
   }
   return out;
