@@ -1,11 +1,11 @@
 #include "tools/bench/measure_lookup.h"
 
-#include <algorithm>
 #include <vector>
 
 #include <time.h>
 
 #include "grid/base/error.h"
+#include "tools/bench/median.h"
 #include "tracer/core/sampler.h"
 #include "tracer/render/guard_rays.h"
 
@@ -49,8 +49,7 @@ double median_ns(int rounds, std::size_t count, const Work& work) {
     work();
     times.push_back((thread_time_ns() - start) / double(count));
   }
-  std::nth_element(times.begin(), times.begin() + std::ptrdiff_t(times.size() / 2), times.end());
-  return times[times.size() / 2];
+  return median(times);
 }
 
 }  // namespace

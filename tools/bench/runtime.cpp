@@ -1,5 +1,4 @@
 // ivory bench runtime: what a frame costs by each source of ambient light, and what loading costs.
-#include <algorithm>
 #include <array>
 #include <chrono>
 #include <filesystem>
@@ -19,6 +18,7 @@
 #include "runtime/gl/check.h"
 #include "runtime/gl/headless_context.h"
 #include "runtime/renderer/renderer.h"
+#include "tools/bench/median.h"
 #include "tools/bench/runtime_assets.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
@@ -45,10 +45,6 @@ double cpu_ms() {
   timespec now{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
   return double(now.tv_sec) * 1e3 + double(now.tv_nsec) * 1e-6;
-}
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
-  return values[values.size() / 2];
 }
 
 struct Target {

@@ -17,7 +17,7 @@ View make_view(const std::string& file, const Camera& camera, int width, int hei
   const float volume = x.cross(y).dot(z);
   if (!std::isfinite(volume) || volume == 0 || !std::isfinite(half_height) || half_height <= 0)
     throw Error(file, "camera '" + camera.name + "' has a singular transform or an impossible field of view",
-                "choose another with --camera");
+                "choose another camera");
   View view;
   view.origin = V3f(m[3][0], m[3][1], m[3][2]);
   view.right = x.normalized() * (half_height * float(width) / float(height));

@@ -29,7 +29,7 @@ constexpr std::uint64_t least_default_photons = 1'000'000;
 constexpr std::uint64_t scout_photons_a_vertex = 4;
 constexpr std::uint64_t photons_a_batch = 2048;  // about 10,000 segments: they stay in the second-level cache
 
-// "-1,0,2:3,4,5 ..." as --dynamic takes them; "none".
+// "-1,0,2:3,4,5 ..." as the command line takes them; "none".
 std::string text_of(const std::vector<Box3f>& boxes) {
   std::string text;
   for (const Box3f& b : boxes) {
@@ -131,13 +131,13 @@ int affordable_threads(const LitScene& lit, const GridFrame& frame, const GridBa
   throw Error(lit.scene->name,
               fmt::format("a grid of {}x{}x{} vertices needs {:.1f} GiB to bake and {:.1f} GiB may be used",
                           frame.size.x, frame.size.y, frame.size.z, (shared + own) / gib, limit / gib),
-              "ask for a lower --resolution, or for a part of the scene by --bounds");
+              "ask for fewer vertices, or for a part of the scene");
 }
 
 GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params) {
   const Scene& scene = *lit.scene;
   if (lit.lights.empty())
-    throw Error(scene.name, "nothing in it shines", "add a light or an emissive material, or give --env");
+    throw Error(scene.name, "nothing in it shines", "add a light, an emissive material or an environment");
   const GridFrame frame = params.frame ? *params.frame : default_frame(scene, params);
   const SumLayout layout = sum_layout(params.basis, params.estimator);
   const int threads = affordable_threads(lit, frame, params);
@@ -162,14 +162,14 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
       if (!kept[v]) masks[v] = 0;
     }
   }
-  GridAccumulator result;
-  result.visible_fraction = visible_fractions(masks);
+  std::vector<float> visible_fraction = visible_fractions(masks);
+  std::vector<GuardRecord> guard;
   const PhotonTracer tracer(
       lit, {.max_bounces = params.max_bounces, .include_direct = params.include_direct, .seed = params.seed});
   if (params.guard != Guard::off) {
     const std::uint64_t scouts = std::min(photons, scout_photons_a_vertex * frame.vertex_count());
     const std::vector<bool> reached = lit_vertices(tracer, frame, masks, scouts);
-    result.guard = fit_guard(lit.intersector, frame, result.visible_fraction, reached);
+    guard = fit_guard(lit.intersector, frame, visible_fraction, reached);
   }
 
   DepositTarget target =
@@ -211,12 +211,10 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
     ledger += worker->ledger;
   }
 
-  result.frame = frame;
-  result.basis = params.basis;
+  GridAccumulator result = to_accumulator(target);
+  result.visible_fraction = std::move(visible_fraction);
+  result.guard = std::move(guard);
   result.light = params.include_direct ? StoredLight::direct_and_indirect : StoredLight::indirect;
-  result.estimator = params.estimator;
-  result.quantum = target.quantum;
-  result.quantum_squared = target.quantum_squared;
   result.photon_begin = begin;
   result.photon_end = end;
   result.counters = {{"ledger_emitted", ledger.emitted}, {"ledger_absorbed", ledger.absorbed},
@@ -224,8 +222,6 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
                      {"photons_traced", ledger.photons}, {"rays_traced", ledger.rays}};
   result.metadata = describe(scene, params, photons, layout);
   result.metadata["ledger_unit_lm"] = tracer.ledger_unit_lm();
-
-  result.sums = sums_by_vertex(target);
   return result;
 }
 
