@@ -33,6 +33,11 @@ template <>
 inline constexpr auto name_table<Reconstruction> = make_name_table<Reconstruction>(
     "reconstruction", {{Reconstruction::optimal, "optimal"}, {Reconstruction::paper, "paper"}});
 
+// Can E(n) be had so from moments of that basis?
+constexpr bool reads(Reconstruction reconstruction, Basis basis) {
+  return reconstruction == Reconstruction::optimal || basis == Basis::vectors;
+}
+
 inline constexpr int max_functions = 12;
 inline constexpr auto all_bases = values_of<Basis>();
 

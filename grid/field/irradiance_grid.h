@@ -77,7 +77,9 @@ struct Footprint {
 // Bit i: the vertex of entry i sees the point that is looked up.
 using VisibleEntries = std::bitset<max_footprint>;
 
+// How a grid is read.
 struct LookupParams {
+  Guard guard = Guard::planes;  // a grid that was baked without guard has none to read by
   Interpolation interpolation = Interpolation::trilinear;
   Reconstruction reconstruction = Reconstruction::optimal;
   float nudge_voxels = 0.25F;  // p moves along n by this fraction of a voxel before it is looked up

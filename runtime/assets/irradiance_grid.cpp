@@ -32,12 +32,12 @@ struct Choices {
   int reconstruction;
 };
 
-Choices choose(const GpuGrid& grid, const GridReadParams& params) {
+Choices choose(const GpuGrid& grid, const LookupParams& params) {
   if (params.guard == Guard::rays) throw UsageError("the GPU has no rays to guard a grid with; planes or off");
-  if (params.lookup.reconstruction == Reconstruction::paper && grid.basis != Basis::vectors)
+  if (!reads(params.reconstruction, grid.basis))
     throw UsageError("the paper's reconstruction reads the basis vectors only");
   return {int(grid.basis), int(grid.form), params.guard == Guard::planes && grid.guarded ? 1 : 0,
-          int(params.lookup.interpolation), int(params.lookup.reconstruction)};
+          int(params.interpolation), int(params.reconstruction)};
 }
 
 }  // namespace
@@ -137,7 +137,7 @@ GpuGrid load_grid(const std::string& path, const GridUploadParams& params) {
   return upload(read_grid_vdb(path), params, path);
 }
 
-int bind(const GpuGrid& grid, gl::Program& program, int first_unit, const GridReadParams& params) {
+int bind(const GpuGrid& grid, gl::Program& program, int first_unit, const LookupParams& params) {
   const Choices choices = choose(grid, params);
   program.set("ivory_grid.origin_m", grid.frame.origin_m);
   program.set("ivory_grid.spacing_m", grid.frame.spacing_m);
@@ -147,7 +147,7 @@ int bind(const GpuGrid& grid, gl::Program& program, int first_unit, const GridRe
     program.set(fmt::format("ivory_grid.slab[{}]", f), V3f(volume_place(grid.frame.size, grid.tiles, f)));
   program.set("ivory_grid.texel", V3f(1, 1, 1) / V3f(grid.volumes.size));
   program.set("ivory_grid.scale", grid.scale);
-  program.set("ivory_grid.nudge_m", nudge_m(grid.frame, params.lookup));
+  program.set("ivory_grid.nudge_m", nudge_m(grid.frame, params));
   program.set("ivory_grid.basis", choices.basis);
   program.set("ivory_grid.form", choices.form);
   program.set("ivory_grid.guard", choices.guard);
@@ -162,7 +162,7 @@ int bind(const GpuGrid& grid, gl::Program& program, int first_unit, const GridRe
   return first_unit + 3;
 }
 
-std::string grid_defines(const GpuGrid& grid, const GridReadParams& params) {
+std::string grid_defines(const GpuGrid& grid, const LookupParams& params) {
   const Choices choices = choose(grid, params);
   return fmt::format(
       "#define IVORY_GRID_BASIS {}\n#define IVORY_GRID_FORM {}\n#define IVORY_GRID_GUARD {}\n"
@@ -170,7 +170,7 @@ std::string grid_defines(const GpuGrid& grid, const GridReadParams& params) {
       choices.basis, choices.form, choices.guard, choices.interpolation, choices.reconstruction);
 }
 
-AmbientSource ambient(const GpuGrid& grid, const GridReadParams& params) {
+AmbientSource ambient(const GpuGrid& grid, const LookupParams& params) {
   return {grid_defines(grid, params) + "#include \"ambient/grid.glsl\"\n",
           [&grid, params](gl::Program& program, int first_unit) { return bind(grid, program, first_unit, params); }};
 }

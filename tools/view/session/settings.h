@@ -67,7 +67,6 @@ struct ViewSettings {
   int shadow_size = 1024;
   Rgb constant_e_lux{1, 1, 1};
   LookupParams lookup;
-  Guard guard = Guard::planes;
   CubeMethod cube_method = CubeMethod::polygon;
   FivLightParams fiv;
   LobeLightParams lobes;
