@@ -52,7 +52,7 @@ int function_count(Basis basis);
 std::array<float, max_functions> eval(Basis basis, const V3f& w);
 
 // E(n) in lux per colour channel from moments laid out [function][rgb], function_count(basis) x 3 floats in lux; n is a
-// unit vector. Never negative. Throws UsageError for `paper` on a basis other than vectors.
+// unit vector. Never negative. Throws ParameterError for `paper` on a basis other than vectors.
 Rgb irradiance(Basis basis, Reconstruction reconstruction, const float* moments, const V3f& n);
 
 // Bounds on E(n), lux, that follow from the six vectors alone (convexity of max(0, n.w) over each hemisphere); their

@@ -99,7 +99,7 @@ float restrict_footprint(const IrradianceGrid& grid, const VisibleEntries& visib
 // Both footprints in one, `share` (0 to 1) of it from a; at most max_footprint entries with a weight together.
 Footprint blend(const Footprint& a, const Footprint& b, float share);
 
-// E(n) in lux per channel, n a unit world vector, from an (already restricted) footprint. Throws UsageError for the
+// E(n) in lux per channel, n a unit world vector, from an (already restricted) footprint. Throws ParameterError for the
 // reconstruction `paper` of a basis other than vectors.
 Rgb irradiance(const IrradianceGrid& grid, const Footprint& footprint, const V3f& n, Reconstruction reconstruction);
 

@@ -33,9 +33,10 @@ struct Choices {
 };
 
 Choices choose(const GpuGrid& grid, const LookupParams& params) {
-  if (params.guard == Guard::rays) throw UsageError("the GPU has no rays to guard a grid with; planes or off");
+  if (params.guard == Guard::rays)
+    throw ParameterError("guard", "the GPU has no rays to guard a grid with; planes or off");
   if (!reads(params.reconstruction, grid.basis))
-    throw UsageError("the paper's reconstruction reads the basis vectors only");
+    throw ParameterError("reconstruction", "paper reads the basis vectors only");
   return {int(grid.basis), int(grid.form), params.guard == Guard::planes && grid.guarded ? 1 : 0,
           int(params.interpolation), int(params.reconstruction)};
 }
@@ -44,7 +45,8 @@ Choices choose(const GpuGrid& grid, const LookupParams& params) {
 
 GpuGrid upload(const IrradianceGrid& grid, const GridUploadParams& params, const std::string& what) {
   if (params.form == GridForm::norms_and_directions && grid.basis != Basis::vectors)
-    throw UsageError(fmt::format("norms and directions hold the basis vectors only, not {}", name_of(grid.basis)));
+    throw ParameterError("form",
+                         fmt::format("norms and directions hold the basis vectors only, not {}", name_of(grid.basis)));
   gl::require_context();
   GpuGrid out;
   out.frame = grid.frame;

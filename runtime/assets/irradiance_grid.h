@@ -53,8 +53,8 @@ V3i arrange_volumes(const V3i& vertices, int count, int limit);
 // First texel of volume f.
 V3i volume_place(const V3i& vertices, const V3i& tiles, int f);
 
-// Needs a current context. Throws Error naming `what` where the grid is larger than the context takes, and UsageError
-// for norms_and_directions of a basis other than vectors.
+// Needs a current context. Throws Error naming `what` where the grid is larger than the context takes, and
+// ParameterError for norms_and_directions of a basis other than vectors.
 GpuGrid upload(const IrradianceGrid& grid, const GridUploadParams& params = {},
                const std::string& what = "irradiance grid");
 
@@ -64,7 +64,8 @@ GpuGrid load_grid(const std::string& path, const GridUploadParams& params = {});
 // Shaders read a grid without guard by Guard::planes as by Guard::off; there are no rays on the GPU.
 
 // Sets what shaders/ambient/grid.glsl declares, makes the program current, binds three textures from unit `first_unit`
-// on, and returns the unit after them. Throws UsageError for `paper` on a basis other than vectors and for Guard::rays.
+// on, and returns the unit after them. Throws ParameterError for `paper` on a basis other than vectors and for
+// Guard::rays.
 int bind(const GpuGrid& grid, gl::Program& program, int first_unit, const LookupParams& params = {});
 
 // Lines of #define that compile the grid's kind and the look-up's into the shader, to stand before the #include of

@@ -254,7 +254,7 @@ TEST_F(RuntimeGridFile, WhatCannotBeLoadedIsSaid) {
   expect_refused(path("oversized.vdb"), "do not fit into a 3D texture of");
 
   EXPECT_THROW(upload(random_grid(V3i(2, 2, 2), Basis::sh9, false, false, 1), {GridForm::norms_and_directions}),
-               UsageError);
+               ParameterError);
   {
     const GpuGrid gpu = load_grid(good);
     EXPECT_EQ(live_gl_objects(), before + 3);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "grid/base/types.h"
+#include "tools/cli/usage_error.h"
 
 namespace ivory {
 

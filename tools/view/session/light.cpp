@@ -101,7 +101,7 @@ std::string lacks(const ViewSession& session, DebugView view) {
 }
 
 void choose_method(ViewSession& session, std::size_t object, ViewMethod method) {
-  if (const std::string lack = lacks(session, method); !lack.empty()) throw UsageError(lack);
+  if (const std::string lack = lacks(session, method); !lack.empty()) throw ParameterError("method", lack);
   session.world.objects[object].light = {method, asset_for(session, method)};
 }
 
