@@ -62,9 +62,11 @@ LookupBench bench_lookup(const IrradianceGrid& grid, const Intersector& intersec
   // The results are kept, so that the compiler keeps the work.
   std::vector<Rgb> results(points.size());
   const auto look_up = [&](Guard guard) {
+    LookupParams params = lookup;
+    params.guard = guard;
     return median_ns(rounds, points.size(), [&] {
       for (std::size_t i = 0; i < points.size(); ++i)
-        results[i] = lookup_irradiance(grid, &intersector, guard, points[i].p, points[i].n, points[i].n, lookup);
+        results[i] = lookup_irradiance(grid, &intersector, points[i].p, points[i].n, points[i].n, params);
     });
   };
   LookupBench bench;

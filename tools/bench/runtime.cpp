@@ -245,10 +245,7 @@ void run(const BenchRuntimeOptions& options, const CommonOptions& common) {
   GpuLobes lobes = upload(assets.lobes);
   place(lobes, std::vector<RuntimeSphereLight>{{{V3f(3, 5, 2), 0.5F}, Rgb(20, 20, 20)}}, assets.spheres.spheres);
   const auto grid_read = [&](Interpolation interpolation, Guard guard) {
-    GridReadParams params;
-    params.lookup.interpolation = interpolation;
-    params.guard = guard;
-    return ambient(grid, params);
+    return ambient(grid, LookupParams{.guard = guard, .interpolation = interpolation});
   };
   GpuFivTables fiv = upload(std::span(&assets.table, 1));
   const std::vector<GpuFivOccluder> crowd = crowd_of(assets.occluder, 60);

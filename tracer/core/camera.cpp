@@ -37,8 +37,9 @@ const Camera& find_camera(const Scene& scene, const std::string& text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), index);
   if (error == std::errc() && end == text.data() + text.size() && index < scene.cameras.size())
     return scene.cameras[index];
-  throw UsageError(scene.name + " has no camera '" + text + "'; it has " + std::to_string(scene.cameras.size()) +
-                   (scene.cameras.size() == 1 ? " camera" : " cameras") + ", counted from 0");
+  throw ParameterError("camera", scene.name + " has no camera '" + text + "'; it has " +
+                                     std::to_string(scene.cameras.size()) +
+                                     (scene.cameras.size() == 1 ? " camera" : " cameras") + ", counted from 0");
 }
 
 Camera framing_camera(const V3f& center, float radius_m, float aspect) {

@@ -150,7 +150,7 @@ std::vector<PhotonArrival> trace(const LitScene& lit, const PhotonMapParams& par
   std::size_t count = 0;
   for (const auto& part : arrivals) count += part.size();
   if (count > std::numeric_limits<std::uint32_t>::max())
-    throw UsageError("the photon map would hold more than 4 billion photons; ask for fewer");
+    throw ParameterError("photons", "the photon map would hold more than 4 billion photons; ask for fewer");
   joined.reserve(count);
   for (auto& part : arrivals) {
     joined.insert(joined.end(), part.begin(), part.end());

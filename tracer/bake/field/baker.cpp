@@ -99,21 +99,22 @@ GridFrame default_frame(const Scene& scene, const GridBakeParams& params) {
   if (params.resolution) {
     frame.size = *params.resolution;
     if (frame.size.x < 2 || frame.size.y < 2 || frame.size.z < 2)
-      throw UsageError("a grid needs at least 2 vertices along each axis");
+      throw ParameterError("resolution", "a grid needs at least 2 vertices along each axis");
     frame.spacing_m = extent / V3f(frame.size);
   } else {
     const float voxel = params.voxel_size_m.value_or(longest / default_long_side);
-    if (!(voxel > 0) || !std::isfinite(voxel)) throw UsageError("the voxel size must be a positive number of metres");
+    if (!(voxel > 0) || !std::isfinite(voxel))
+      throw ParameterError("voxel_size", "it must be a positive number of metres");
     for (unsigned axis = 0; axis < 3; ++axis) {
       // A hair less than one voxel over does not call for another layer of vertices.
       const double count = std::max(2.0, std::ceil(double(extent[axis]) / voxel - 1e-3));
-      if (count > 32768) throw UsageError("the voxel size is too small: over 32768 vertices along an axis");
+      if (count > 32768) throw ParameterError("voxel_size", "it is too small: over 32768 vertices along an axis");
       frame.size[axis] = static_cast<int>(count);
     }
     frame.spacing_m = V3f(voxel, voxel, voxel);
   }
   if (std::max({frame.size.x, frame.size.y, frame.size.z}) > 32768 || frame.vertex_count() > (std::size_t(1) << 31U))
-    throw UsageError("the grid has too many vertices to number; ask for a lower resolution");
+    throw ParameterError("resolution", "the grid has too many vertices to number; ask for fewer");
   frame.origin_m = middle - frame.direction_to_world((V3f(frame.size) - V3f(1, 1, 1)) * frame.spacing_m * 0.5F);
   return frame;
 }
@@ -150,8 +151,8 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
   const std::uint64_t begin = range.first;  // Clang 14 does not capture structured bindings
   const std::uint64_t end = range.second;
   if (begin >= end || end > photons)
-    throw UsageError("the photon range must be A:B with A below B and B at most the " + std::to_string(photons) +
-                     " photons of the whole bake");
+    throw ParameterError("photon_range", "it must be A:B with A below B and B at most the " + std::to_string(photons) +
+                                             " photons of the whole bake");
 
   std::vector<std::uint64_t> masks = params.guard == Guard::off
                                          ? std::vector<std::uint64_t>(frame.vertex_count(), ~std::uint64_t(0))
