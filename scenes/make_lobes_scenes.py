@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes what `ivory chart` measures cosine lobes on: the Stanford bunny under a ball of light.
+"""Writes what `ivory chart` measures cosine lobes on: the Stanford bunny under a spherical light.
 
 usage: make_lobes_scenes.py FOLDER [--bunny OBJ]
 

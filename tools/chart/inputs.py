@@ -104,7 +104,7 @@ class Inputs:
         return tuple(os.path.join(folder, o) for o in outputs) if folder else None
 
     def bunny(self, name="bunny.glb"):
-        """bunny.glb alone, bunny_plane.glb, bunny_gloss.glb under a ball of light; or None."""
+        """bunny.glb alone, bunny_plane.glb, bunny_gloss.glb under a spherical light; or None."""
         folder = self._script("make_lobes_scenes.py", ("bunny.glb", "bunny_plane.glb", "bunny_gloss.glb"))
         return os.path.join(folder, name) if folder else None
 
