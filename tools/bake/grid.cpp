@@ -69,7 +69,8 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   check_output(options.output, ".vdb", common);
 
   const auto input = load_scene_input(options.scene, options.environment, common);
-  const GridFrame frame = default_frame(*input.lit.scene, params);
+  params.frame = default_frame(*input.lit.scene, params);
+  const GridFrame& frame = *params.frame;
   if (const int threads = affordable_threads(input.lit, frame, params); threads < params.threads) {
     print_note(common, fmt::format("note: {} threads instead of {}: each needs memory for the whole grid", threads,
                                    params.threads));
