@@ -60,6 +60,7 @@ struct SphereBins {
 
 SphereBins make_bins(const std::string& name, const std::vector<float>& radii) {
   std::vector<double> x;
+  x.reserve(radii.size());
   for (const float r : radii) x.push_back(std::log2(double(r)));
   const double range = x.back() - x.front();
   double narrowest = range;
@@ -80,17 +81,18 @@ SphereBins make_bins(const std::string& name, const std::vector<float>& radii) {
     const double end = x.front() + range * (bin + 1) / count;
     while (k + 2 < x.size() && x[k + 1] <= begin) ++k;
     const double before = 1 / (x[k + 1] - x[k]);
-    if (k + 2 < x.size() && x[k + 1] < end)
+    if (k + 2 < x.size() && x[k + 1] < end) {
       out.knots.emplace_back(float(x[k + 1]), float(k + 1), float(before), float(1 / (x[k + 2] - x[k + 1])));
-    else
+    } else {
       out.knots.emplace_back(float(x[k]), float(k), float(before), float(before));
+    }
   }
   return out;
 }
 
 // Moments over the falloff at their sphere, times `factor`, into the table's box.
 void fill(const FivTable& table, const V3i& corner, const V3i& atlas_size, float factor, std::vector<V4f>& atlas) {
-  const auto numbers = std::size_t(3 * fiv_function_count(table.hemispheres));
+  const auto numbers = 3 * std::size_t(fiv_function_count(table.hemispheres));
   for (int s = 0; s < slab_count(table); ++s) {
     for (int k = 0; k < table.size.z; ++k) {
       const float level = factor / fiv_falloff(table.radii[std::size_t(k)]);
@@ -185,33 +187,36 @@ GpuFivTables upload(std::span<const FivTable> tables, const FivUploadParams& par
   gl::require_context();
   assert(names.empty() || names.size() == tables.size());
   const auto name_of = [&](std::size_t i) { return names.empty() ? fmt::format("FIV table {}", i) : names[i]; };
-  if (tables.empty() || tables.size() > std::size_t(fiv_max_tables))
+  if (tables.empty() || tables.size() > std::size_t(fiv_max_tables)) {
     throw Error("FIV tables", fmt::format("there are {}, and a set takes 1 to {}", tables.size(), fiv_max_tables),
                 "upload them as several sets");
+  }
   GLint limit = 0;
   IVORY_GL(glGetIntegerv, GL_MAX_3D_TEXTURE_SIZE, &limit);
   std::vector<V3i> boxes;
   for (std::size_t i = 0; i < tables.size(); ++i) {
     const V3i& size = tables[i].size;
     const V3i box = box_of(tables[i]);
-    if (std::max({box.x, box.y, box.z}) > limit)
+    if (std::max({box.x, box.y, box.z}) > limit) {
       throw Error(name_of(i),
                   fmt::format("its {}x{}x{} samples make a texture of {}x{}x{} texels, and this OpenGL takes {} a side "
                               "(GL_MAX_3D_TEXTURE_SIZE)",
                               size.x, size.y, size.z, box.x, box.y, box.z, limit),
-                  "bake it with fewer --samples");
+                  "bake it with fewer samples");
+    }
     boxes.push_back(box);
   }
   const std::optional<PackedBoxes> packed = pack_boxes(boxes, limit);
-  if (!packed)
+  if (!packed) {
     throw Error(name_of(0),
                 fmt::format("it and {} tables more do not fit into one texture of {} texels a side "
                             "(GL_MAX_3D_TEXTURE_SIZE)",
                             tables.size() - 1, limit),
-                "upload them as several sets, or bake them with fewer --samples");
+                "upload them as several sets, or bake them with fewer samples");
+  }
 
   const std::size_t texels = std::size_t(packed->size.x) * std::size_t(packed->size.y) * std::size_t(packed->size.z);
-  check_memory(name_of(0), 2 * double(texels) * sizeof(V4f), "bake it with fewer --samples");
+  check_memory(name_of(0), 2 * double(texels) * sizeof(V4f), "bake it with fewer samples");
   std::vector<V4f> atlas(texels, V4f(0, 0, 0, 0));
   std::vector<TableBlock> blocks;
   std::vector<SphereBins> bins;
@@ -247,9 +252,10 @@ GpuFivTables load_fiv_tables(std::span<const std::string> paths, const FivUpload
 }
 
 void set_occluders(GpuFivTables& fiv, std::span<const GpuFivOccluder> occluders) {
-  if (occluders.size() > std::size_t(fiv_max_occluders))
+  if (occluders.size() > std::size_t(fiv_max_occluders)) {
     throw Error("FIV occluders", fmt::format("there are {}, and a set takes {}", occluders.size(), fiv_max_occluders),
                 "leave out the farthest");
+  }
   auto block = std::make_unique<OccluderBlock>();
   block->count[0] = int(occluders.size());
   for (std::size_t i = 0; i < occluders.size(); ++i) {

@@ -117,10 +117,11 @@ void set_sampling(const Texture& texture, Filter filter, Wrap wrap_s = Wrap::cla
   IVORY_GL(glTexParameteri, texture.target, GL_TEXTURE_WRAP_S, edge_mode(wrap_s));
   IVORY_GL(glTexParameteri, texture.target, GL_TEXTURE_WRAP_T, edge_mode(wrap_t));
   IVORY_GL(glTexParameteri, texture.target, GL_TEXTURE_WRAP_R, GL_CLAMP_TO_EDGE);
-  if (filter == Filter::linear_mipmap)
+  if (filter == Filter::linear_mipmap) {
     IVORY_GL(glGenerateMipmap, texture.target);
-  else
+  } else {
     IVORY_GL(glTexParameteri, texture.target, GL_TEXTURE_MAX_LEVEL, 0);
+  }
 }
 
 }  // namespace

@@ -145,9 +145,10 @@ void LightSet::draw_depth(const ShadowCaster& caster, const M44f& clip_from_worl
 void LightSet::update(std::span<const RuntimeLight> lights, std::span<const ShadowCaster> casters,
                       const ShadowParams& params) {
   gl::require_context();
-  if (lights.size() > max_lights)
+  if (lights.size() > max_lights) {
     throw Error("lights", fmt::format("{} are more than the {} that one frame can have", lights.size(), max_lights),
                 "leave out the weakest");
+  }
   const Box3f box = bounds_of(casters);
   const float radius = std::max(0.5F * box.size().length(), 1e-6F);
 

@@ -87,10 +87,11 @@ void draw_item(gl::Program& program, const DrawItem& item, int first_unit) {
               V4f(material.normal_scale, item.mesh->has_normals ? 1.0F : 0.0F, mapped ? 1.0F : 0.0F, handedness));
   bind(material, program, first_unit);
   // Back faces of single-sided materials are not seen; a mirror turns triangles around.
-  if (material.double_sided)
+  if (material.double_sided) {
     IVORY_GL(glDisable, GL_CULL_FACE);
-  else
+  } else {
     IVORY_GL(glEnable, GL_CULL_FACE);
+  }
   IVORY_GL(glFrontFace, GLenum(handedness < 0 ? GL_CW : GL_CCW));
   IVORY_GL(glBindVertexArray, item.mesh->vertex_array.id());
   IVORY_GL(glDrawElements, GL_TRIANGLES, item.mesh->index_count, GL_UNSIGNED_INT, nullptr);
@@ -119,9 +120,10 @@ RuntimeCamera make_orthographic(const M44f& to_world, float half_height_m, float
 
 gl::Program& Renderer::depth_program() {
   gl::Program& found = programs_["depth"];
-  if (!found)
+  if (!found) {
     found = gl::make_program("depth", "#include \"renderer/surface_vertex.glsl\"\n",
                              "#include \"renderer/depth_fragment.glsl\"\n");
+  }
   return found;
 }
 

@@ -14,7 +14,7 @@ class OverlayPass {
  public:
   // Draws DebugView::vertices, validity or vectors into the bound framebuffer, against its depth, which stays as
   // the surfaces left it for what is hidden. Spheres are lit as white Lambert surfaces, in nits; colours that are not
-  // light are made to look as they are named after `tone`'s exposure. Throws UsageError for vectors of a basis that
+  // light are made to look as they are named after `tone`'s exposure. Throws ParameterError for vectors of a basis that
   // stores none.
   void draw(const GridAsset& grid, const RuntimeCamera& camera, const ViewSettings& settings);
 
