@@ -208,7 +208,7 @@ void add_render_command(Command app, CommonOptions& common) {
             options->sphere_lights.push_back(parse_sphere_light("--sphere-light", text));
             options->sphere_light_texts.push_back(text);
           },
-          "Adds a ball of light: place and radius in metres, radiance in nits; may be repeated")
+          "Adds a spherical light: place and radius in metres, radiance in nits; may be repeated")
       .repeated()
       .type_name("X,Y,Z,RADIUS,R,G,B");
   auto methods = std::make_shared<std::vector<RenderMethod>>();

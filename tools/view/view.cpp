@@ -120,7 +120,7 @@ void add_light_options(Command app, ViewCommand& command) {
          [&command](const std::string& text) {
            command.run.input.sphere_lights.push_back(parse_sphere_light("--sphere-light", text));
          },
-         "Adds a ball of light for method lobes: place and radius in metres, radiance in nits; may be repeated")
+         "Adds a spherical light for method lobes: place and radius in metres, radiance in nits; may be repeated")
       .repeated()
       .type_name("X,Y,Z,RADIUS,R,G,B")
       .group(group);
