@@ -1,4 +1,4 @@
-// The one exception of ivory, thrown where the outside world is met: files, options, memory.
+// The exceptions of ivory: Error where the outside world is met (files, memory), ParameterError for what callers ask.
 #pragma once
 
 #include <stdexcept>
@@ -13,10 +13,18 @@ class Error : public std::runtime_error {
       : std::runtime_error(file + ": " + cause + "; " + remedy) {}
 };
 
-// A command line that asks for something impossible: exit code 2 instead of 1.
-class UsageError : public std::runtime_error {
+// A parameter that is out of range, or does not go with the others or with what it is used on.
+class ParameterError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  // what() is "<parameter>: <cause>", the parameter called as in its Params struct, without unit: "voxel_size".
+  ParameterError(const std::string& parameter, const std::string& cause)
+      : std::runtime_error(parameter + ": " + cause), parameter_(parameter), cause_(cause) {}
+  const std::string& parameter() const { return parameter_; }
+  const std::string& cause() const { return cause_; }
+
+ private:
+  std::string parameter_;
+  std::string cause_;
 };
 
 }  // namespace ivory

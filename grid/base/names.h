@@ -69,13 +69,13 @@ std::optional<Enum> find_by_name(std::string_view name) {
   return std::nullopt;
 }
 
-// Throws UsageError, which lists all names, for an unknown one.
+// Throws ParameterError, which lists all names, for an unknown one.
 template <typename Enum>
 Enum from_name(std::string_view name) {
   if (const std::optional<Enum> value = find_by_name<Enum>(name)) return *value;
   std::string known;
   for (const auto& entry : name_table<Enum>.entries) known += (known.empty() ? "" : ", ") + std::string(entry.name);
-  throw UsageError("unknown " + std::string(name_table<Enum>.what) + " '" + std::string(name) + "'; one of " + known);
+  throw ParameterError(std::string(name_table<Enum>.what), "'" + std::string(name) + "' is unknown; one of " + known);
 }
 
 }  // namespace ivory

@@ -3,20 +3,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 namespace ivory {
 
 namespace {
-
-constexpr double pi_d = 3.14159265358979323846;
 
 double sinc(double x) { return x < 1e-4 ? 1 - x * x / 6 : std::sin(x) / x; }
 
 }  // namespace
 
 V3d angular_direction(double u, double v) {
-  const double theta = pi_d * std::sqrt(u * u + v * v);
-  const double scale = pi_d * sinc(theta);  // sin(theta) over the radius
+  const double theta = std::numbers::pi * std::sqrt(u * u + v * v);
+  const double scale = std::numbers::pi * sinc(theta);  // sin(theta) over the radius
   return {-u * scale, -v * scale, std::cos(theta)};
 }
 
@@ -41,8 +40,8 @@ std::vector<AngularNode> angular_nodes(int size, int row, int column) {
 
   std::vector<AngularNode> nodes;
   const auto add = [&](double u, double v, double area) {
-    const double theta = pi_d * std::sqrt(radius2(u, v));
-    nodes.push_back({angular_direction(u, v), pi_d * pi_d * std::max(0.0, sinc(theta)) * area});
+    const double theta = std::numbers::pi * std::sqrt(radius2(u, v));
+    nodes.push_back({angular_direction(u, v), std::numbers::pi * std::numbers::pi * std::max(0.0, sinc(theta)) * area});
   };
   if (radius2(near_u, near_v) >= 1) return nodes;
   if (radius2(far_u, far_v) <= 1) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 
 // A meridian at azimuth a runs through a sequence of cube texels. With mu = sin(latitude), so that dw = dmu da, and
 //
@@ -25,15 +26,14 @@ namespace ivory {
 
 namespace {
 
-constexpr double pi_d = 3.14159265358979323846;
-
 class Meridians {
  public:
   Meridians(std::span<const Rgb> texels, int width, int height)
       : texels_(texels), width_(width), height_(height), blocks_(height / stride + 1) {
-    for (int row = 0; row <= height; ++row) mu_.push_back(row == height ? -1.0 : std::cos(row * pi_d / height));
+    for (int row = 0; row <= height; ++row)
+      mu_.push_back(row == height ? -1.0 : std::cos(row * std::numbers::pi / height));
     // Differences of neighbouring cosines, with all their digits near the poles.
-    const double step = pi_d / height;
+    const double step = std::numbers::pi / height;
     for (int row = 0; row < height; ++row) span_.push_back(2 * std::sin((row + 0.5) * step) * std::sin(0.5 * step));
     sums_.resize(std::size_t(width) * std::size_t(blocks_), V3d(0, 0, 0));
     totals_.resize(std::size_t(width), V3d(0, 0, 0));
@@ -111,11 +111,13 @@ class ArcIntegral {
   }
 
  private:
-  double column_of(double psi) const { return (circle_.azimuth + psi + pi_d) / (2 * pi_d) * map_.width(); }
+  double column_of(double psi) const {
+    return (circle_.azimuth + psi + std::numbers::pi) / (2 * std::numbers::pi) * map_.width();
+  }
 
   int row_of(double psi) const {
-    const double theta = pi_d / 2 - std::atan(circle_.tan_latitude * std::cos(psi));
-    return std::clamp(int(theta / pi_d * map_.height()), 0, map_.height() - 1);
+    const double theta = std::numbers::pi / 2 - std::atan(circle_.tan_latitude * std::cos(psi));
+    return std::clamp(int(theta / std::numbers::pi * map_.height()), 0, map_.height() - 1);
   }
 
   // asin(sin A sin psi), with all digits where the product is near one.
@@ -130,7 +132,7 @@ class ArcIntegral {
     int column = int(std::floor(column_of(a)));
     double from = a;
     while (from < b) {
-      const double edge = 2 * pi_d * (column + 1) / map_.width() - pi_d - circle_.azimuth;
+      const double edge = 2 * std::numbers::pi * (column + 1) / map_.width() - std::numbers::pi - circle_.azimuth;
       const double to = std::min(edge, b);
       if (to > from) {
         rows(from, to, ((column % map_.width()) + map_.width()) % map_.width());
@@ -149,7 +151,7 @@ class ArcIntegral {
     while (true) {
       double to = b;
       if (row != last) {
-        const double latitude = pi_d / 2 - pi_d * (row + (step > 0 ? 1 : 0)) / map_.height();
+        const double latitude = std::numbers::pi / 2 - std::numbers::pi * (row + (step > 0 ? 1 : 0)) / map_.height();
         const double cosine = std::clamp(std::tan(latitude) / circle_.tan_latitude, 0.0, 1.0);
         to = std::clamp(std::copysign(std::acos(cosine), a + b), from, b);
       }
@@ -170,7 +172,7 @@ class ArcIntegral {
   V3d sum_{0, 0, 0};
 };
 
-double wrapped(double angle) { return std::remainder(angle, 2 * pi_d); }
+double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 
 class CubeSums {
  public:
@@ -256,12 +258,12 @@ CubeMap cube_from_latlong(std::span<const Rgb> texels, int width, int height, in
   const Meridians map(texels, width, height);
   CubeSums sums(map, size);
   // Azimuth atan2(-x, z): columns grow with it.
-  sums.add_side(0, -pi_d / 2);
-  sums.add_side(1, pi_d / 2);
+  sums.add_side(0, -std::numbers::pi / 2);
+  sums.add_side(1, std::numbers::pi / 2);
   sums.add_pole(2);
   sums.add_pole(3);
   sums.add_side(4, 0);
-  sums.add_side(5, pi_d);
+  sums.add_side(5, std::numbers::pi);
   return sums.averaged();
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include <tbb/parallel_for.h>
@@ -13,7 +14,6 @@ namespace ivory {
 
 namespace {
 
-constexpr double pi_d = 3.14159265358979323846;
 constexpr float standing_out = 4;  // times the darkest neighbour
 
 // What both kinds of source are asked for: their texel of a direction, and points of a texel with the solid angles that
@@ -84,11 +84,11 @@ std::vector<Rgb> floor_of(const Source& source, const std::vector<Rgb>& texels) 
 
 V3f latlong_direction(const EnvironmentMap& map, double row, double column) {
   // Evenly in cos(theta) within a row: equal solid angles.
-  const double step = pi_d / map.height;
+  const double step = std::numbers::pi / map.height;
   const double whole = std::floor(row);
   const double y = std::cos(whole * step) + (std::cos((whole + 1) * step) - std::cos(whole * step)) * (row - whole);
   const double s = std::sqrt(std::max(0.0, (1 - y) * (1 + y)));
-  const double a = 2 * pi_d * (column / map.width - 0.5);
+  const double a = 2 * std::numbers::pi * (column / map.width - 0.5);
   return V3f(float(-s * std::sin(a)), float(y), float(s * std::cos(a)));
 }
 
@@ -141,8 +141,8 @@ EnvironmentMap resampled(const Source& source, const std::vector<Rgb>& texels, i
       const V3d excess = V3d(texels[index]) - V3d(base[index]);
       if (excess == V3d(0, 0, 0)) continue;
       for (const AngularNode& node : source.nodes(row, column)) {
-        const double u = 0.5 + std::atan2(-node.w.x, node.w.z) / (2 * pi_d);
-        const double v = std::atan2(std::hypot(node.w.x, node.w.z), node.w.y) / pi_d;
+        const double u = 0.5 + std::atan2(-node.w.x, node.w.z) / (2 * std::numbers::pi);
+        const double v = std::atan2(std::hypot(node.w.x, node.w.z), node.w.y) / std::numbers::pi;
         const int c = std::clamp(int(u * width), 0, width - 1);
         const int r = std::clamp(int(v * height), 0, height - 1);
         out.radiance[std::size_t(r) * std::size_t(width) + std::size_t(c)] +=

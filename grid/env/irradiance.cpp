@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include <tbb/parallel_for.h>
 
 namespace ivory {
 
 namespace {
-
-constexpr double pi_d = 3.14159265358979323846;
 
 RadianceMoments moments_of_rows(const EnvironmentImage& image, int begin, int end) {
   if (const auto* map = std::get_if<EnvironmentMap>(&image.map))
@@ -45,8 +44,8 @@ IrradianceTree latlong_tree(const EnvironmentMap& map) {
   for (int row = 0; row < height; ++row) {
     const Rgb* const radiance = map.radiance.data() + std::size_t(row / k) * std::size_t(map.width);
     // Half a row up or down, and half a column along the wider of its edges.
-    const double widest = row < height / 2 ? (row + 1) * pi_d / height : row * pi_d / height;
-    const double half_angle = pi_d / height / 2 + pi_d / width * std::sin(widest);
+    const double widest = row < height / 2 ? (row + 1) * std::numbers::pi / height : row * std::numbers::pi / height;
+    const double half_angle = std::numbers::pi / height / 2 + std::numbers::pi / width * std::sin(widest);
     for (int column = 0; column < width; ++column) {
       const TexelMoments moments = texels(row, column);
       tree.add(radiance[column / k], moments.solid_angle, moments.first, half_angle);
@@ -86,7 +85,7 @@ IrradianceTree angular_tree(const AngularMap& map) {
       const TexelMoments moments = angular_texel_moments(size, row, column);
       // Nowhere on the disc does a step in the picture turn the direction by more than pi a unit.
       tree.add(map.texels[std::size_t(row / k) * std::size_t(map.size) + std::size_t(column / k)], moments.solid_angle,
-               moments.first, std::sqrt(2.0) * pi_d / size);
+               moments.first, std::sqrt(2.0) * std::numbers::pi / size);
     }
   }
   tree.finish();

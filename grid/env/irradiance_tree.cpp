@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 
 // E(n) = integral of L max(0, n.w). Over a cell wholly above the horizon max(0, n.w) = n.w, so the cell gives n.V with
 // V = integral of L w, exactly, however its light is spread. In a cell on the horizon let x = n.w vary within [lo, hi],
@@ -18,8 +19,6 @@
 namespace ivory {
 
 namespace {
-
-constexpr double pi_d = 3.14159265358979323846;
 
 // Between unit vectors, with all digits for small angles.
 double angle(const V3d& a, const V3d& b) { return std::atan2(a.cross(b).length(), a.dot(b)); }
@@ -67,7 +66,7 @@ void IrradianceTree::finish() {
               cell.half_angle = std::max(cell.half_angle, angle(cell.axis, part.axis) + part.half_angle);
             }
           }
-          const bool wide = cell.half_angle >= pi_d / 2;
+          const bool wide = cell.half_angle >= std::numbers::pi / 2;
           cell.sine = wide ? 2 : std::sin(cell.half_angle);
           cell.cosine = wide ? 0 : std::cos(cell.half_angle);
         }

@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 
 namespace ivory {
 
 namespace {
-
-constexpr double pi_d = 3.14159265358979323846;
 
 // --- lat-long ---------------------------------------------------------------------------------------
 //
@@ -37,7 +36,7 @@ BlockTable make_block_table(int width) {
   const int columns = std::min(block_columns, width);
   for (auto& f : table.f) f.resize(std::size_t(3 * columns));
   for (int i = 0; i < 3 * columns; ++i) {
-    const double x = 2 * pi_d / width * (i / 3);
+    const double x = 2 * std::numbers::pi / width * (i / 3);
     table.f[0][std::size_t(i)] = std::cos(x);
     table.f[1][std::size_t(i)] = std::sin(x);
     table.f[2][std::size_t(i)] = std::cos(2 * x);
@@ -172,7 +171,7 @@ RadianceMoments& RadianceMoments::operator+=(const RadianceMoments& other) {
 RadianceMoments latlong_moments(std::span<const Rgb> texels, int width, int height, int row_begin, int row_end) {
   assert(texels.size() == std::size_t(width) * std::size_t(height) && row_begin >= 0 && row_end <= height);
   const BlockTable table = make_block_table(width);
-  const double d = 2 * pi_d / width;
+  const double d = 2 * std::numbers::pi / width;
   const double integral1 = 2 * std::sin(d / 2);
   const double integral2 = std::sin(d);
   RadianceMoments out;
@@ -190,7 +189,7 @@ RadianceMoments latlong_moments(std::span<const Rgb> texels, int width, int heig
           quarters ? block_sums<4>({&first->x, &first[quarter].x, &first[2 * quarter].x, &first[3 * quarter].x},
                                    columns, table)
                    : block_sums<1>({&first->x}, columns, table);
-      const double a = (column + 0.5) * d - pi_d;
+      const double a = (column + 0.5) * d - std::numbers::pi;
       const double c1 = std::cos(a);
       const double s1 = std::sin(a);
       const double c2 = std::cos(2 * a);
@@ -202,9 +201,9 @@ RadianceMoments latlong_moments(std::span<const Rgb> texels, int width, int heig
       sums[4] += block[3] * s2 + block[4] * c2;
     }
     // Integrals over the row's polar angles of sin^(i+1) cos^j.
-    const double p0 = row * pi_d / height;
-    const double p1 = (row + 1) * pi_d / height;
-    const double step = pi_d / height;
+    const double p0 = row * std::numbers::pi / height;
+    const double p1 = (row + 1) * std::numbers::pi / height;
+    const double step = std::numbers::pi / height;
     const double middle = (row + 0.5) * step;
     const double sine = 2 * std::sin(middle) * std::sin(step / 2);
     const double sine2 = step / 2 - std::cos(2 * middle) * std::sin(step) / 2;
@@ -258,8 +257,8 @@ RadianceMoments angular_moments(const AngularMap& map, int row_begin, int row_en
   return out;
 }
 
-LatLongTexels::LatLongTexels(int width, int height) : column_width_(2 * pi_d / width) {
-  const double step = pi_d / height;
+LatLongTexels::LatLongTexels(int width, int height) : column_width_(2 * std::numbers::pi / width) {
+  const double step = std::numbers::pi / height;
   for (int row = 0; row < height; ++row) {
     const double middle = (row + 0.5) * step;
     rows_.push_back({2 * std::sin(middle) * std::sin(step / 2), step / 2 - std::cos(2 * middle) * std::sin(step) / 2,
@@ -267,7 +266,7 @@ LatLongTexels::LatLongTexels(int width, int height) : column_width_(2 * pi_d / w
   }
   const double integral = 2 * std::sin(column_width_ / 2);
   for (int column = 0; column < width; ++column) {
-    const double a = (column + 0.5) * column_width_ - pi_d;
+    const double a = (column + 0.5) * column_width_ - std::numbers::pi;
     columns_.push_back({integral * std::cos(a), integral * std::sin(a)});
   }
 }

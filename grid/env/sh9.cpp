@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+
+#include <ImathMatrixAlgo.h>
 
 namespace ivory {
 
 namespace {
-
-constexpr double pi_d = 3.14159265358979323846;
 
 // Eq. 3: sqrt(1/(4 pi)), sqrt(3/(4 pi)), sqrt(15/(4 pi)), sqrt(5/(16 pi)), sqrt(15/(16 pi)).
 constexpr double y0 = 0.28209479177387814;
@@ -18,55 +19,23 @@ constexpr double y22 = 0.54627421529603953;
 
 // The factor of each basis function, and the clamped cosine's coefficient of its band (eq. 9).
 constexpr std::array<double, 9> basis_factor{y0, y1, y1, y1, y2, y2, y20, y2, y22};
-constexpr std::array<double, 9> cosine{pi_d,     2 * pi_d / 3, 2 * pi_d / 3, 2 * pi_d / 3, pi_d / 4,
-                                       pi_d / 4, pi_d / 4,     pi_d / 4,     pi_d / 4};
+constexpr std::array<double, 9> cosine{std::numbers::pi,         2 * std::numbers::pi / 3, 2 * std::numbers::pi / 3,
+                                       2 * std::numbers::pi / 3, std::numbers::pi / 4,     std::numbers::pi / 4,
+                                       std::numbers::pi / 4,     std::numbers::pi / 4,     std::numbers::pi / 4};
 constexpr int band(std::size_t i) { return i == 0 ? 0 : (i < 4 ? 1 : 2); }
-
-// Eigenvalues and eigenvectors (columns of v) of a symmetric matrix, by Jacobi rotations.
-void diagonalise(double a[3][3], double v[3][3]) {
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) v[i][j] = i == j ? 1 : 0;
-  for (int sweep = 0; sweep < 30; ++sweep) {
-    for (int p = 0; p < 2; ++p) {
-      for (int q = p + 1; q < 3; ++q) {
-        if (a[p][q] == 0) continue;
-        const double angle = 0.5 * std::atan2(2 * a[p][q], a[q][q] - a[p][p]);
-        const double c = std::cos(angle);
-        const double s = std::sin(angle);
-        for (int k = 0; k < 3; ++k) {
-          const double x = a[k][p];
-          const double y = a[k][q];
-          a[k][p] = c * x - s * y;
-          a[k][q] = s * x + c * y;
-        }
-        for (int k = 0; k < 3; ++k) {
-          const double x = a[p][k];
-          const double y = a[q][k];
-          a[p][k] = c * x - s * y;
-          a[q][k] = s * x + c * y;
-        }
-        for (int k = 0; k < 3; ++k) {
-          const double x = v[k][p];
-          const double y = v[k][q];
-          v[k][p] = c * x - s * y;
-          v[k][q] = s * x + c * y;
-        }
-      }
-    }
-  }
-}
 
 // min of n A n + 2 b n + c over the unit sphere. In A's own axes a Lagrange multiplier m gives n_i = -b_i / (a_i - m);
 // the minimum is where m <= min a_i and |n| = 1. |n| grows with m, so bisection finds it; where b has no part along the
 // least axis and |n| stays below one, the rest lies along that axis.
-double least_on_sphere(double a[3][3], const double b[3], double c) {
-  double v[3][3];
-  diagonalise(a, v);
-  const std::array<double, 3> value{a[0][0], a[1][1], a[2][2]};
+double least_on_sphere(Imath::M33d a, const V3d& b, double c) {
+  V3d eigenvalues;
+  Imath::M33d v;  // eigenvectors, its columns
+  Imath::jacobiEigenSolver(a, eigenvalues, v);
+  const std::array<double, 3> value{eigenvalues.x, eigenvalues.y, eigenvalues.z};
   std::array<double, 3> part{};
   double length = 0;
   for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t k = 0; k < 3; ++k) part[i] += v[k][i] * b[k];
+    for (std::size_t k = 0; k < 3; ++k) part[i] += v[int(k)][int(i)] * b[int(k)];
     length += part[i] * part[i];
   }
   length = std::sqrt(length);
@@ -128,11 +97,11 @@ V3d irradiance_polynomial(const Sh9& sh, const V3d& n) {
 
 // Eq. 12; its constants are c1 = pi/4 y22, c2 = pi/3 y1, c3 = 3 pi/4 y20, c4 = pi y0, c5 = pi/4 y20.
 Sh9Matrices sh9_matrices(const Sh9& sh) {
-  constexpr double c1 = pi_d / 4 * y22;
-  constexpr double c2 = pi_d / 3 * y1;
-  constexpr double c3 = 3 * pi_d / 4 * y20;
-  constexpr double c4 = pi_d * y0;
-  constexpr double c5 = pi_d / 4 * y20;
+  constexpr double c1 = std::numbers::pi / 4 * y22;
+  constexpr double c2 = std::numbers::pi / 3 * y1;
+  constexpr double c3 = 3 * std::numbers::pi / 4 * y20;
+  constexpr double c4 = std::numbers::pi * y0;
+  constexpr double c5 = std::numbers::pi / 4 * y20;
   Sh9Matrices out{};
   for (std::size_t channel = 0; channel < 3; ++channel) {
     const auto l = [&](std::size_t i) { return sh.coefficients[i][unsigned(channel)]; };
@@ -174,9 +143,8 @@ V3d minimum_irradiance(const Sh9& sh) {
   V3d out;
   for (std::size_t c = 0; c < 3; ++c) {
     const auto& m = matrices[c];
-    double a[3][3] = {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}};
-    const double b[3] = {m[3], m[7], m[11]};
-    out[int(c)] = least_on_sphere(a, b, m[15]);
+    const Imath::M33d a(m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]);
+    out[int(c)] = least_on_sphere(a, V3d(m[3], m[7], m[11]), m[15]);
   }
   return out;
 }
@@ -188,7 +156,7 @@ Sh9 windowed(const Sh9& sh, const Sh9Window& window) {
 }
 
 Sh9Window hann_window(double width) {
-  return {0.5 * (1 + std::cos(pi_d / width)), 0.5 * (1 + std::cos(2 * pi_d / width))};
+  return {0.5 * (1 + std::cos(std::numbers::pi / width)), 0.5 * (1 + std::cos(2 * std::numbers::pi / width))};
 }
 
 // The polynomials that are nowhere negative form a convex set, and for light that is nowhere negative it holds band 0
@@ -245,7 +213,7 @@ Sh9Window least_window(const Sh9& sh) {
 std::array<V3d, 9> in_dialect(const Sh9& sh, Sh9Dialect dialect) {
   std::array<V3d, 9> out = sh.coefficients;
   for (std::size_t i = 0; i < 9; ++i) {
-    if (dialect == Sh9Dialect::filament) out[i] *= cosine[i] * basis_factor[i] / pi_d;
+    if (dialect == Sh9Dialect::filament) out[i] *= cosine[i] * basis_factor[i] / std::numbers::pi;
     if (dialect == Sh9Dialect::ext_lights_image_based) out[i] *= cosine[i];
   }
   return out;

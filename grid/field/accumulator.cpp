@@ -12,8 +12,9 @@ SumLayout sum_layout(Basis basis, Estimator estimator) {
   if (estimator != Estimator::track) {
     // A crossed face serves only the hemispheres around its own axis.
     if (basis != Basis::vectors) {
-      throw UsageError("estimator '" + std::string(name_of(estimator)) + "' works with basis 'vectors' only, not '" +
-                       std::string(name_of(basis)) + "'");
+      throw ParameterError("estimator", "'" + std::string(name_of(estimator)) +
+                                            "' works with basis 'vectors' only, not '" + std::string(name_of(basis)) +
+                                            "'");
     }
     return {6, 3};
   }
@@ -50,7 +51,7 @@ std::string range_text(const GridAccumulator& part) {
 }  // namespace
 
 GridAccumulator merge(std::vector<GridAccumulator> parts, const std::vector<std::string>& names) {
-  if (parts.empty()) throw UsageError("nothing to merge");
+  if (parts.empty()) throw ParameterError("parts", "there are none to merge");
   std::vector<std::size_t> order(parts.size());
   std::iota(order.begin(), order.end(), std::size_t(0));
   std::stable_sort(order.begin(), order.end(),

@@ -33,7 +33,7 @@ struct SumLayout {
   int lanes() const { return (functions + 1) * 3; }  // numbers a slot
   int stride() const { return slots * lanes(); }     // numbers a vertex
 };
-// Throws UsageError for a face estimator on a basis other than vectors.
+// Throws ParameterError for a face estimator on a basis other than vectors.
 SumLayout sum_layout(Basis basis, Estimator estimator);
 
 struct GridAccumulator : GridVertices {
@@ -49,8 +49,9 @@ struct GridAccumulator : GridVertices {
   std::map<std::string, std::int64_t> counters;
 };
 
-// Adds up parts of one bake; names[i] is what messages call parts[i]. Throws UsageError for no parts, and Error where
-// they differ in anything but their photon range, where ranges overlap or leave a gap, or where a sum exceeds 64 bits.
+// Adds up parts of one bake; names[i] is what messages call parts[i]. Throws ParameterError for no parts, and Error
+// where they differ in anything but their photon range, where ranges overlap or leave a gap, or where a sum exceeds 64
+// bits.
 GridAccumulator merge(std::vector<GridAccumulator> parts, const std::vector<std::string>& names);
 
 }  // namespace ivory

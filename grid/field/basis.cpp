@@ -184,7 +184,7 @@ std::array<float, max_functions> eval(Basis basis, const V3f& w) {
 
 Rgb irradiance(Basis basis, Reconstruction reconstruction, const float* m, const V3f& n) {
   if (reconstruction == Reconstruction::paper) {
-    if (basis != Basis::vectors) throw UsageError("the paper's reconstruction reads the basis vectors only");
+    if (!reads(reconstruction, basis)) throw ParameterError("reconstruction", "paper reads the basis vectors only");
     return paper_vectors(m, n);
   }
   switch (basis) {

@@ -33,6 +33,11 @@ template <>
 inline constexpr auto name_table<Reconstruction> = make_name_table<Reconstruction>(
     "reconstruction", {{Reconstruction::optimal, "optimal"}, {Reconstruction::paper, "paper"}});
 
+// Can E(n) be had so from moments of that basis?
+constexpr bool reads(Reconstruction reconstruction, Basis basis) {
+  return reconstruction == Reconstruction::optimal || basis == Basis::vectors;
+}
+
 inline constexpr int max_functions = 12;
 inline constexpr auto all_bases = values_of<Basis>();
 
@@ -47,7 +52,7 @@ int function_count(Basis basis);
 std::array<float, max_functions> eval(Basis basis, const V3f& w);
 
 // E(n) in lux per colour channel from moments laid out [function][rgb], function_count(basis) x 3 floats in lux; n is a
-// unit vector. Never negative. Throws UsageError for `paper` on a basis other than vectors.
+// unit vector. Never negative. Throws ParameterError for `paper` on a basis other than vectors.
 Rgb irradiance(Basis basis, Reconstruction reconstruction, const float* moments, const V3f& n);
 
 // Bounds on E(n), lux, that follow from the six vectors alone (convexity of max(0, n.w) over each hemisphere); their

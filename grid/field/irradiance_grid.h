@@ -77,7 +77,9 @@ struct Footprint {
 // Bit i: the vertex of entry i sees the point that is looked up.
 using VisibleEntries = std::bitset<max_footprint>;
 
+// How a grid is read.
 struct LookupParams {
+  Guard guard = Guard::planes;  // a grid that was baked without guard has none to read by
   Interpolation interpolation = Interpolation::trilinear;
   Reconstruction reconstruction = Reconstruction::optimal;
   float nudge_voxels = 0.25F;  // p moves along n by this fraction of a voxel before it is looked up
@@ -97,7 +99,7 @@ float restrict_footprint(const IrradianceGrid& grid, const VisibleEntries& visib
 // Both footprints in one, `share` (0 to 1) of it from a; at most max_footprint entries with a weight together.
 Footprint blend(const Footprint& a, const Footprint& b, float share);
 
-// E(n) in lux per channel, n a unit world vector, from an (already restricted) footprint. Throws UsageError for the
+// E(n) in lux per channel, n a unit world vector, from an (already restricted) footprint. Throws ParameterError for the
 // reconstruction `paper` of a basis other than vectors.
 Rgb irradiance(const IrradianceGrid& grid, const Footprint& footprint, const V3f& n, Reconstruction reconstruction);
 

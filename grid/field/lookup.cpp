@@ -10,11 +10,10 @@ float nudge_m(const GridFrame& frame, const LookupParams& params) {
   return params.nudge_voxels * std::min({spacing.x, spacing.y, spacing.z});
 }
 
-Footprint lookup_footprint(const IrradianceGrid& grid, Guard guard, const V3f& p, const V3f& ng,
-                           const LookupParams& params) {
-  assert(guard != Guard::rays);
+Footprint lookup_footprint(const IrradianceGrid& grid, const V3f& p, const V3f& ng, const LookupParams& params) {
+  assert(params.guard != Guard::rays);
   const V3f nudged = p + ng * nudge_m(grid.frame, params);
-  if (guard == Guard::planes) {
+  if (params.guard == Guard::planes) {
     return guarded_footprint(grid, nudged, params.interpolation,
                              [&](const Footprint& footprint) { return visible_by_guard(grid, nudged, footprint); });
   }
@@ -23,9 +22,9 @@ Footprint lookup_footprint(const IrradianceGrid& grid, Guard guard, const V3f& p
   return footprint;
 }
 
-Rgb lookup_irradiance(const IrradianceGrid& grid, Guard guard, const V3f& p, const V3f& ng, const V3f& n,
+Rgb lookup_irradiance(const IrradianceGrid& grid, const V3f& p, const V3f& ng, const V3f& n,
                       const LookupParams& params) {
-  return irradiance(grid, lookup_footprint(grid, guard, p, ng, params), n, params.reconstruction);
+  return irradiance(grid, lookup_footprint(grid, p, ng, params), n, params.reconstruction);
 }
 
 }  // namespace ivory

@@ -31,13 +31,12 @@ Footprint guarded_footprint(const IrradianceGrid& grid, const V3f& nudged, Inter
 }
 
 // The footprint that a look-up at surface point p (world, m; unit geometric normal ng on the lit side) reads, by the
-// stored planes or without guard: p is nudged off the surface along ng by params.nudge_voxels. `guard` is planes or
-// off.
-Footprint lookup_footprint(const IrradianceGrid& grid, Guard guard, const V3f& p, const V3f& ng,
-                           const LookupParams& params);
+// stored planes or without guard: p is nudged off the surface along ng by params.nudge_voxels. params.guard is planes
+// or off.
+Footprint lookup_footprint(const IrradianceGrid& grid, const V3f& p, const V3f& ng, const LookupParams& params);
 
 // E(n) in lux per channel at p through that footprint; n is the unit shading normal. Throws as irradiance() does.
-Rgb lookup_irradiance(const IrradianceGrid& grid, Guard guard, const V3f& p, const V3f& ng, const V3f& n,
+Rgb lookup_irradiance(const IrradianceGrid& grid, const V3f& p, const V3f& ng, const V3f& n,
                       const LookupParams& params);
 
 }  // namespace ivory

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numbers>
 
 namespace ivory {
 
@@ -64,9 +65,8 @@ FivTable first_hemisphere(const FivTable& six) {
 }
 
 V3d fiv_sample_direction(const V3i& size, int azimuth, int polar) {
-  constexpr double pi_d = 3.14159265358979323846;
-  const double phi = 2 * pi_d * azimuth / size.x;
-  const double theta = pi_d * polar / (size.y - 1);
+  const double phi = 2 * std::numbers::pi * azimuth / size.x;
+  const double theta = std::numbers::pi * polar / (size.y - 1);
   return {std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)};
 }
 

@@ -123,7 +123,7 @@ float at_most(float exponent) { return std::min(exponent, max_lobe_exponent); }
 
 LobeTable make_lobe_table(const LobeTableParams& params) {
   if (params.exponent_nodes < 2 || params.exponent_nodes > 129 || params.angle_nodes < 2 || params.angle_nodes > 513)
-    throw UsageError("a lobe table needs 2 to 129 nodes along the exponents and 2 to 513 along the angle");
+    throw ParameterError("nodes", "a lobe table needs 2 to 129 along the exponents and 2 to 513 along the angle");
   LobeTable table;
   table.exponent_nodes = params.exponent_nodes;
   table.angle_nodes = params.angle_nodes;

@@ -27,7 +27,7 @@ struct LobeTable {
   std::size_t bytes() const { return values.size() * sizeof(float); }
 };
 
-// Builds the table, some 0.7 s on one core for the default; throws UsageError for node counts out of range.
+// Builds the table, some 0.7 s on one core for the default; throws ParameterError for node counts out of range.
 LobeTable make_lobe_table(const LobeTableParams& params = {});
 
 // The product of a and b as one lobe. Exponents above max_lobe_exponent are read at the table's edge.

@@ -202,7 +202,7 @@ GpuFivTables upload(std::span<const FivTable> tables, const FivUploadParams& par
                   fmt::format("its {}x{}x{} samples make a texture of {}x{}x{} texels, and this OpenGL takes {} a side "
                               "(GL_MAX_3D_TEXTURE_SIZE)",
                               size.x, size.y, size.z, box.x, box.y, box.z, limit),
-                  "bake it with fewer --samples");
+                  "bake it with fewer samples");
     }
     boxes.push_back(box);
   }
@@ -212,11 +212,11 @@ GpuFivTables upload(std::span<const FivTable> tables, const FivUploadParams& par
                 fmt::format("it and {} tables more do not fit into one texture of {} texels a side "
                             "(GL_MAX_3D_TEXTURE_SIZE)",
                             tables.size() - 1, limit),
-                "upload them as several sets, or bake them with fewer --samples");
+                "upload them as several sets, or bake them with fewer samples");
   }
 
   const std::size_t texels = std::size_t(packed->size.x) * std::size_t(packed->size.y) * std::size_t(packed->size.z);
-  check_memory(name_of(0), 2 * double(texels) * sizeof(V4f), "bake it with fewer --samples");
+  check_memory(name_of(0), 2 * double(texels) * sizeof(V4f), "bake it with fewer samples");
   std::vector<V4f> atlas(texels, V4f(0, 0, 0, 0));
   std::vector<TableBlock> blocks;
   std::vector<SphereBins> bins;

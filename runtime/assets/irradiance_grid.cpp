@@ -32,19 +32,21 @@ struct Choices {
   int reconstruction;
 };
 
-Choices choose(const GpuGrid& grid, const GridReadParams& params) {
-  if (params.guard == Guard::rays) throw UsageError("the GPU has no rays to guard a grid with; planes or off");
-  if (params.lookup.reconstruction == Reconstruction::paper && grid.basis != Basis::vectors)
-    throw UsageError("the paper's reconstruction reads the basis vectors only");
+Choices choose(const GpuGrid& grid, const LookupParams& params) {
+  if (params.guard == Guard::rays)
+    throw ParameterError("guard", "the GPU has no rays to guard a grid with; planes or off");
+  if (!reads(params.reconstruction, grid.basis))
+    throw ParameterError("reconstruction", "paper reads the basis vectors only");
   return {int(grid.basis), int(grid.form), params.guard == Guard::planes && grid.guarded ? 1 : 0,
-          int(params.lookup.interpolation), int(params.lookup.reconstruction)};
+          int(params.interpolation), int(params.reconstruction)};
 }
 
 }  // namespace
 
 GpuGrid upload(const IrradianceGrid& grid, const GridUploadParams& params, const std::string& what) {
   if (params.form == GridForm::norms_and_directions && grid.basis != Basis::vectors)
-    throw UsageError(fmt::format("norms and directions hold the basis vectors only, not {}", name_of(grid.basis)));
+    throw ParameterError("form",
+                         fmt::format("norms and directions hold the basis vectors only, not {}", name_of(grid.basis)));
   gl::require_context();
   GpuGrid out;
   out.frame = grid.frame;
@@ -137,7 +139,7 @@ GpuGrid load_grid(const std::string& path, const GridUploadParams& params) {
   return upload(read_grid_vdb(path), params, path);
 }
 
-int bind(const GpuGrid& grid, gl::Program& program, int first_unit, const GridReadParams& params) {
+int bind(const GpuGrid& grid, gl::Program& program, int first_unit, const LookupParams& params) {
   const Choices choices = choose(grid, params);
   program.set("ivory_grid.origin_m", grid.frame.origin_m);
   program.set("ivory_grid.spacing_m", grid.frame.spacing_m);
@@ -147,7 +149,7 @@ int bind(const GpuGrid& grid, gl::Program& program, int first_unit, const GridRe
     program.set(fmt::format("ivory_grid.slab[{}]", f), V3f(volume_place(grid.frame.size, grid.tiles, f)));
   program.set("ivory_grid.texel", V3f(1, 1, 1) / V3f(grid.volumes.size));
   program.set("ivory_grid.scale", grid.scale);
-  program.set("ivory_grid.nudge_m", nudge_m(grid.frame, params.lookup));
+  program.set("ivory_grid.nudge_m", nudge_m(grid.frame, params));
   program.set("ivory_grid.basis", choices.basis);
   program.set("ivory_grid.form", choices.form);
   program.set("ivory_grid.guard", choices.guard);
@@ -162,7 +164,7 @@ int bind(const GpuGrid& grid, gl::Program& program, int first_unit, const GridRe
   return first_unit + 3;
 }
 
-std::string grid_defines(const GpuGrid& grid, const GridReadParams& params) {
+std::string grid_defines(const GpuGrid& grid, const LookupParams& params) {
   const Choices choices = choose(grid, params);
   return fmt::format(
       "#define IVORY_GRID_BASIS {}\n#define IVORY_GRID_FORM {}\n#define IVORY_GRID_GUARD {}\n"
@@ -170,7 +172,7 @@ std::string grid_defines(const GpuGrid& grid, const GridReadParams& params) {
       choices.basis, choices.form, choices.guard, choices.interpolation, choices.reconstruction);
 }
 
-AmbientSource ambient(const GpuGrid& grid, const GridReadParams& params) {
+AmbientSource ambient(const GpuGrid& grid, const LookupParams& params) {
   return {grid_defines(grid, params) + "#include \"ambient/grid.glsl\"\n",
           [&grid, params](gl::Program& program, int first_unit) { return bind(grid, program, first_unit, params); }};
 }

@@ -53,31 +53,28 @@ V3i arrange_volumes(const V3i& vertices, int count, int limit);
 // First texel of volume f.
 V3i volume_place(const V3i& vertices, const V3i& tiles, int f);
 
-// Needs a current context. Throws Error naming `what` where the grid is larger than the context takes, and UsageError
-// for norms_and_directions of a basis other than vectors.
+// Needs a current context. Throws Error naming `what` where the grid is larger than the context takes, and
+// ParameterError for norms_and_directions of a basis other than vectors.
 GpuGrid upload(const IrradianceGrid& grid, const GridUploadParams& params = {},
                const std::string& what = "irradiance grid");
 
 // read_grid_vdb() and upload(): throws as they do, naming the file.
 GpuGrid load_grid(const std::string& path, const GridUploadParams& params = {});
 
-// How shaders read it. Guard::planes reads a grid without guard as Guard::off does; there are no rays on the GPU.
-struct GridReadParams {
-  LookupParams lookup;
-  Guard guard = Guard::planes;
-};
+// Shaders read a grid without guard by Guard::planes as by Guard::off; there are no rays on the GPU.
 
 // Sets what shaders/ambient/grid.glsl declares, makes the program current, binds three textures from unit `first_unit`
-// on, and returns the unit after them. Throws UsageError for `paper` on a basis other than vectors and for Guard::rays.
-int bind(const GpuGrid& grid, gl::Program& program, int first_unit, const GridReadParams& params = {});
+// on, and returns the unit after them. Throws ParameterError for `paper` on a basis other than vectors and for
+// Guard::rays.
+int bind(const GpuGrid& grid, gl::Program& program, int first_unit, const LookupParams& params = {});
 
 // Lines of #define that compile the grid's kind and the look-up's into the shader, to stand before the #include of
 // ambient/grid.glsl or field/irradiance_grid.glsl. Without them the shader reads both from uniforms, which drivers that
 // run both sides of a branch (llvmpipe) pay several times over. A program made so fits grids of that kind only.
-std::string grid_defines(const GpuGrid& grid, const GridReadParams& params = {});
+std::string grid_defines(const GpuGrid& grid, const LookupParams& params = {});
 
 // For objects that the grid lights, wherever they stand: the shader compiled for this kind of grid and look-up. Refers
 // to the grid.
-AmbientSource ambient(const GpuGrid& grid, const GridReadParams& params = {});
+AmbientSource ambient(const GpuGrid& grid, const LookupParams& params = {});
 
 }  // namespace ivory

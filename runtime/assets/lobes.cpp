@@ -82,7 +82,7 @@ int bind(const GpuLobes& lobes, gl::Program& program, int first_unit, const Lobe
 std::string lobe_defines(const LobeLightParams& params) {
   if (params.mask_depth < 0 || params.mask_depth > max_mask_depth || params.max_split_level < 0 ||
       params.max_split_level > max_mask_depth)
-    throw UsageError("masks and split lights have depths from 0 to 5");
+    throw ParameterError("mask_depth", "masks and split lights have depths from 0 to 5");
   return fmt::format("#define IVORY_MASK_DEPTH {}\n#define IVORY_MAX_SPLIT {}\n", params.mask_depth,
                      params.max_split_level);
 }

@@ -50,11 +50,11 @@ void place(GpuLobes& lobes, std::span<const RuntimeSphereLight> lights, std::spa
 int bind(const GpuLobes& lobes, gl::Program& program, int first_unit, const LobeLightParams& params = {});
 
 // #define lines with the params' mask depth and split level, to stand before #include "ambient/lobes.glsl". Throws
-// UsageError for either outside 0 to 5.
+// ParameterError for either outside 0 to 5.
 std::string lobe_defines(const LobeLightParams& params);
 
 // For ivory::Renderer: Lambert surfaces, by E; or `glossy`, the material's diffuse and specular reflectance as Lambert
-// and Phong lobes. `lobes` must outlive it. Throws UsageError as lobe_defines() does.
+// and Phong lobes. `lobes` must outlive it. Throws ParameterError as lobe_defines() does.
 AmbientSource ambient(const GpuLobes& lobes, bool glossy, const LobeLightParams& params = {});
 
 }  // namespace ivory

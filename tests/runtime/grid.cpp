@@ -82,7 +82,7 @@ INSTANTIATE_TEST_SUITE_P(Lookups, RuntimeGrid,
 //                                    good to 1e-6 (asin's 2e-8 times 4.2 / (4.2 - 2.7) is well within);
 //   voxel error / weight kept        the filter finds its texel from a coordinate near the texture's extent, to
 //                                    extent 2^-23, and so weights, which then are divided by what is kept of them.
-void expect_equal(const IrradianceGrid& grid, const GpuGrid& gpu, const GridReadParams& params, const Inputs& inputs,
+void expect_equal(const IrradianceGrid& grid, const GpuGrid& gpu, const LookupParams& params, const Inputs& inputs,
                   const std::string& defines, double most_loose, const std::string& what) {
   const StoredGrid stored(grid, gpu);
   const std::vector<V4f> result = evaluate_on_gpu(source(defines), {inputs.p, inputs.ng, inputs.n},
@@ -96,14 +96,14 @@ void expect_equal(const IrradianceGrid& grid, const GpuGrid& gpu, const GridRead
     const V3f p = xyz(inputs.p[i]);
     const V3f n = xyz(inputs.n[i]);
     const V3f ng = xyz(inputs.ng[i]);
-    const V3f nudged = p + ng * nudge_m(grid.frame, params.lookup);
-    const LookupMargin at = margin(grid, params.guard, nudged, params.lookup.interpolation);
+    const V3f nudged = p + ng * nudge_m(grid.frame, params);
+    const LookupMargin at = margin(grid, params.guard, nudged, params.interpolation);
     if (at.undecided) {
       ++undecided;
       continue;
     }
-    const Footprint footprint = lookup_footprint(grid, params.guard, p, ng, params.lookup);
-    const TwinIrradiance twin = irradiance_of(grid, stored, nudged, footprint, n, params.lookup.reconstruction);
+    const Footprint footprint = lookup_footprint(grid, p, ng, params);
+    const TwinIrradiance twin = irradiance_of(grid, stored, nudged, footprint, n, params.reconstruction);
     for (unsigned c = 0; c < 3; ++c) {
       const float tolerance =
           1e-3F * twin.e[c] + twin.largest * 2e-5F + twin.around * 3 * voxel_error / std::max(at.kept, 1e-4F);
@@ -128,7 +128,7 @@ TEST_P(RuntimeGrid, ReadsAsTheCpuDoes) {
     for (const bool uneven : {false, true}) {
       const IrradianceGrid grid = random_grid(V3i(5, 4, 6), kind.basis, rotated, uneven, ++seed);
       const GpuGrid gpu = upload(grid, {kind.form});
-      const GridReadParams params{{interpolation, kind.reconstruction, 0.25F}, guard};
+      const LookupParams params{guard, interpolation, kind.reconstruction, 0.25F};
       const std::string defines = grid_defines(gpu, params);
       expect_equal(grid, gpu, params, random_inputs(grid.frame, seed), defines, uneven ? 0.9 : 0.25, defines);
     }
@@ -141,7 +141,7 @@ TEST_P(RuntimeGrid, UniformsChooseAsDefinesDo) {
   for (const Kind& kind : all_kinds()) {
     const IrradianceGrid grid = random_grid(V3i(3, 4, 2), kind.basis, rotated, false, 77);
     const GpuGrid gpu = upload(grid, {kind.form});
-    const GridReadParams params{{interpolation, kind.reconstruction, 0}, guard};
+    const LookupParams params{guard, interpolation, kind.reconstruction, 0};
     expect_equal(grid, gpu, params, random_inputs(grid.frame, 78), "", 0.25,
                  grid_defines(gpu, params) + " as uniforms");
   }

@@ -60,7 +60,7 @@ TEST_F(RuntimeGridFile, BakedGridsLoseHalfRoundingOnlyAsMoments) {
       n.push_back(to_v4(random_direction(random)));
     }
     for (const Guard guard : {Guard::off, Guard::planes}) {
-      const GridReadParams params{{}, guard};
+      const LookupParams params{.guard = guard};
       const auto evaluate = [&](const GpuGrid& gpu) {
         return evaluate_on_gpu(grid_defines(gpu, params) +
                                    "#include \"ambient/grid.glsl\"\n"
@@ -75,12 +75,12 @@ TEST_F(RuntimeGridFile, BakedGridsLoseHalfRoundingOnlyAsMoments) {
       double norms_squares = 0;
       int undecided = 0;
       for (std::size_t i = 0; i < p.size(); ++i) {
-        const V3f nudged = xyz(p[i]) + xyz(n[i]) * nudge_m(grid.frame, params.lookup);
+        const V3f nudged = xyz(p[i]) + xyz(n[i]) * nudge_m(grid.frame, params);
         if (margin(grid, guard, nudged, Interpolation::trilinear).undecided) {
           ++undecided;
           continue;
         }
-        const Footprint footprint = lookup_footprint(grid, guard, xyz(p[i]), xyz(n[i]), params.lookup);
+        const Footprint footprint = lookup_footprint(grid, xyz(p[i]), xyz(n[i]), params);
         float largest = 0;
         for (int e = 0; e < footprint.count; ++e) {
           for (int k = 0; k < 36; ++k)
@@ -187,7 +187,7 @@ TEST_F(RuntimeGridFile, LongGridsFitByArrangement) {
     const V3f last(grid.frame.size - V3i(1, 1, 1));
     p.push_back(to_v4(grid.frame.to_world(V3f(uniform(random), uniform(random), uniform(random)) * last)));
   }
-  const GridReadParams params{{Interpolation::trilinear, Reconstruction::optimal, 0}, Guard::off};
+  const LookupParams params{.guard = Guard::off, .nudge_voxels = 0};
   const std::vector<V4f> result = evaluate_on_gpu(
       "#include \"ambient/grid.glsl\"\n"
       "vec4 evaluate(int i) { return vec4(ivory_ambient(input0(i).xyz, vec3(0.0), vec3(0.6, 0.0, 0.8)), 1.0); }",
@@ -198,7 +198,7 @@ TEST_F(RuntimeGridFile, LongGridsFitByArrangement) {
     if (at.kept < 0.2F) continue;
     ++compared;
     const V3f n(0.6F, 0, 0.8F);
-    const Footprint footprint = lookup_footprint(grid, Guard::off, xyz(p[i]), n, params.lookup);
+    const Footprint footprint = lookup_footprint(grid, xyz(p[i]), n, params);
     const TwinIrradiance twin = irradiance_of(grid, stored, xyz(p[i]), footprint, n, Reconstruction::optimal);
     // Positions of order 1000 m and a coordinate of order `limit` texels place the filter to 2^-12 texel or so.
     ASSERT_NEAR(result[i].x, twin.e.x, 1e-3F * twin.e.x + twin.around * 3 * 0x1p-11F / at.kept) << i;
@@ -254,7 +254,7 @@ TEST_F(RuntimeGridFile, WhatCannotBeLoadedIsSaid) {
   expect_refused(path("oversized.vdb"), "do not fit into a 3D texture of");
 
   EXPECT_THROW(upload(random_grid(V3i(2, 2, 2), Basis::sh9, false, false, 1), {GridForm::norms_and_directions}),
-               UsageError);
+               ParameterError);
   {
     const GpuGrid gpu = load_grid(good);
     EXPECT_EQ(live_gl_objects(), before + 3);

@@ -234,7 +234,7 @@ TEST_F(RuntimeLobes, LoadsFilesAndRefusesBadOnesWithoutLeavingObjects) {
   LobeTable broken = small;
   broken.values.pop_back();
   EXPECT_THROW(upload(broken), Error);
-  EXPECT_THROW(lobe_defines({.mask_depth = 6}), UsageError);
+  EXPECT_THROW(lobe_defines({.mask_depth = 6}), ParameterError);
   EXPECT_EQ(live_gl_objects(), before);
 
   // More spheres than a buffer may hold: refused, and what was there stays.

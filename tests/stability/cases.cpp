@@ -83,7 +83,7 @@ TEST(StabilitySuite, NamesAreUniqueAndKnown) {
     EXPECT_EQ(stability_case(c.name).title, c.title);
     EXPECT_TRUE(c.sentence.ends_with('.')) << c.name;
   }
-  EXPECT_THROW(stability_case("no such case"), UsageError);
+  EXPECT_THROW(stability_case("no such case"), ParameterError);
 }
 
 }  // namespace

@@ -54,6 +54,48 @@ TEST_F(Package, ExampleBuildsAgainstItAndDraws) {
   EXPECT_NE(bytes_of(path("log")).find("foreign.vdb"), std::string::npos) << bytes_of(path("log"));
 }
 
+// Another project adds ivory's folder to its own: it gets the libraries under their names, no tools and no tests.
+TEST_F(Package, IsPartOfAnotherProject) {
+  std::ofstream(path("CMakeLists.txt")) << "set(ivory " << source_folder << ")"
+                                        << R"(
+    cmake_minimum_required(VERSION 3.25)
+    project(engine LANGUAGES CXX)
+    add_subdirectory(${ivory} ivory EXCLUDE_FROM_ALL)
+    if(TARGET ivory OR TARGET grid_tests OR NOT TARGET ivory::ivory_tracer)
+      message(FATAL_ERROR "not what another project wants")
+    endif()
+    add_executable(engine engine.cpp)
+    target_link_libraries(engine PRIVATE ivory::ivory_grid))";
+  std::ofstream(path("engine.cpp")) << R"(
+    #include <cstdio>
+    #include "grid/base/half.h"
+    int main() { std::printf("%g", ivory::rounded_to_half(1e6F)); })";
+  ASSERT_EQ(shell("cmake -G Ninja -S " + path("") + " -B " + path("build") + " -DCMAKE_CXX_FLAGS=-O0"), 0)
+      << bytes_of(path("log"));
+  ASSERT_EQ(shell("cmake --build " + path("build") + " --target engine"), 0) << bytes_of(path("log"));
+  ASSERT_EQ(shell(path("build/engine")), 0);
+  EXPECT_EQ(bytes_of(path("log")), "inf");
+}
+
+// The runtime alone needs nothing that traces, opens windows or reads command lines.
+TEST_F(Package, RuntimeAloneNeedsNoTracer) {
+  std::ofstream(path("pkg-config")) << R"(#!/bin/sh
+    case "$*" in *draco* | *egl* | *imgui*) exit 1 ;; esac
+    exec pkg-config "$@")";
+  std::filesystem::permissions(path("pkg-config"), std::filesystem::perms::owner_all);
+  std::string hidden;
+  for (const char* name : {"embree", "TinyGLTF", "meshoptimizer", "nanoflann", "CLI11", "glfw3", "GTest"})
+    hidden += std::string(" -DCMAKE_DISABLE_FIND_PACKAGE_") + name + "=ON";
+  ASSERT_EQ(shell(std::string("cmake -G Ninja -S ") + source_folder + " -B " + path("build") +
+                  " -DIVORY_BUILD_TRACER=OFF -DIVORY_BUILD_TOOLS=OFF -DIVORY_BUILD_TESTS=OFF -DCMAKE_BUILD_TYPE=Debug" +
+                  " -DCMAKE_OPTIMIZE_DEPENDENCIES=ON -DPKG_CONFIG_EXECUTABLE=" + path("pkg-config") + hidden),
+            0)
+      << bytes_of(path("log"));
+  // Its own files only: grid/ and its files are built elsewhere often enough.
+  EXPECT_EQ(shell("cmake --build " + path("build") + " --target runtime/libivory_runtime.a"), 0)
+      << bytes_of(path("log"));
+}
+
 // For every command a man page, and a word that bash completes.
 TEST_F(Package, CommandsHaveManPagesAndCompletion) {
   if (shell("command -v help2man") != 0) GTEST_SKIP() << "needs help2man (Debian package help2man)";

@@ -7,6 +7,7 @@
 
 #include "grid/base/error.h"
 #include "tests/support/command_test.h"
+#include "tools/cli/usage_error.h"
 #include "tools/view/world/controls.h"
 #include "tools/view/world/drag.h"
 #include "tools/view/world/path.h"

@@ -27,7 +27,7 @@ struct BakeCubemapOptions {
   std::string scene;
   std::string output;
   EnvironmentChoice environment;
-  std::string shell = "fitted";
+  ShellFit shell = ShellFit::fitted;
   std::vector<std::string> without;
   V3f at{0, 0, 0};
   int size = 4;
@@ -64,7 +64,6 @@ std::vector<std::string> judge(const BakeCubemapOptions& options, const Capture&
 void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& common) {
   if (options.capture % options.size != 0)
     throw UsageError(fmt::format("--size {} does not divide --capture {}", options.size, options.capture));
-  const ShellFit shell = from_name<ShellFit>(options.shell);
   check_output(options.output, ".exr", common);
   const auto input = load_scene_input(options.scene, options.environment, common, [&](Scene& scene) {
     for (const std::string& node : options.without) remove_node(scene, node);
@@ -81,7 +80,7 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& co
   GridLight light;
   if (!options.grid->grid.empty()) {
     grid = load_grid(*options.grid, input, common);
-    light = grid_light(*options.grid, *grid);
+    light = {&*grid, options.grid->lookup};
     params.grid = &light;
   }
   const auto start = std::chrono::steady_clock::now();
@@ -93,7 +92,7 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& co
   }();
   const std::vector<std::string> warnings = judge(options, capture, *input.lit.scene);
   for (const std::string& warning : warnings) print_note(common, "warning: " + warning);
-  LocalizedCube cube = localize(capture.cube, options.size, shell);
+  LocalizedCube cube = localize(capture.cube, options.size, options.shell);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
   Metadata& m = cube.metadata = input.origin;
@@ -104,7 +103,7 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& co
   m["capture_size"] = std::int64_t(options.capture);
   m["samples"] = std::int64_t(options.samples);
   m["seed"] = std::int64_t(options.seed);
-  m["shell"] = options.shell;
+  m["shell"] = std::string(name_of(options.shell));
   m["units"] = std::string("nits, 1/m");
   if (!options.without.empty()) m["without"] = fmt::format("{}", fmt::join(options.without, ", "));
   write_localized_cube(options.output, cube, common.force);
@@ -165,11 +164,9 @@ void add_bake_cubemap_command(Command bake, CommonOptions& common) {
       .repeated()
       .type_name("NODE");
   options->grid = add_grid_options(command, "Baked grid that indirect light is read from [path traced]");
-  command
-      .add_option("--shell", options->shell,
-                  "How corners of texels are placed: by least squares over all distances, at the distance\n"
-                  "right there, or at the mean distance around")
-      .one_of({"fitted", "corners", "averaged"});
+  command.add_choice("--shell", options->shell,
+                     "How corners of texels are placed: by least squares over all distances, at the distance\n"
+                     "right there, or at the mean distance around");
   command.footer(
       "All light that arrives is captured, straight from emissive surfaces and the sky too, but not that of\n"
       "point, spot and directional lights, which are sampled when rendering.\n"

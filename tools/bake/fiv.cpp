@@ -31,7 +31,7 @@ struct BakeFivOptions {
   std::string output;
   EnvironmentChoice environment;
   std::string samples = "128,65,30";
-  std::string precision = "float32";
+  ExrPrecision precision = ExrPrecision::float32;
   FivParams params;
 };
 
@@ -86,10 +86,9 @@ void run_bake_fiv(const BakeFivOptions& options, const CommonOptions& common) {
   m["silhouette_pixels"] = std::int64_t(params.silhouette_pixels);
   m["fit"] = std::string(params.fit ? "least squares" : "none");
   m["units"] = std::string("lux");
-  const ExrPrecision precision = from_name<ExrPrecision>(options.precision);
-  write_fiv(options.output, table, precision, common.force);
+  write_fiv(options.output, table, options.precision, common.force);
 
-  const std::uint64_t bytes = table.values.size() * (precision == ExrPrecision::float32 ? 4 : 2);
+  const std::uint64_t bytes = table.values.size() * (options.precision == ExrPrecision::float32 ? 4 : 2);
   nlohmann::ordered_json result;
   result["output"] = options.output;
   result["samples"] = {table.size.x, table.size.y, table.size.z};
@@ -104,14 +103,14 @@ void run_bake_fiv(const BakeFivOptions& options, const CommonOptions& common) {
   result.update(to_json(table.metadata));
   result["seconds"] = seconds;
   result["warnings"] = loaded.warnings;
-  print_result(
-      common, result,
-      fmt::format("{}: {} x {} x {} samples, {} hemisphere{}, {} of {}, {:.1f} s\n"
-                  "bounding sphere of {:.4g} m around {:.4g} {:.4g} {:.4g}; spheres from {:.3g} to {:.3g} of "
-                  "its radius\n",
-                  options.output, table.size.x, table.size.y, table.size.z, table.hemispheres,
-                  table.hemispheres == 1 ? "" : "s", format_bytes(bytes), options.precision, seconds, table.radius_m,
-                  table.center_m.x, table.center_m.y, table.center_m.z, table.radii.front(), table.radii.back()));
+  print_result(common, result,
+               fmt::format("{}: {} x {} x {} samples, {} hemisphere{}, {} of {}, {:.1f} s\n"
+                           "bounding sphere of {:.4g} m around {:.4g} {:.4g} {:.4g}; spheres from {:.3g} to {:.3g} of "
+                           "its radius\n",
+                           options.output, table.size.x, table.size.y, table.size.z, table.hemispheres,
+                           table.hemispheres == 1 ? "" : "s", format_bytes(bytes), name_of(options.precision), seconds,
+                           table.radius_m, table.center_m.x, table.center_m.y, table.center_m.z, table.radii.front(),
+                           table.radii.back()));
 }
 
 }  // namespace
@@ -133,7 +132,7 @@ void add_bake_fiv_command(Command bake, CommonOptions& common) {
                   "1: one vector per colour and sample, as published; 6: the vectors of six hemispheres, four\n"
                   "times the memory, right where the occluder reaches below a receiver's plane")
       .one_of({"1", "6"});
-  command.add_option("--precision", options->precision, "Of the file's numbers").one_of({"float32", "float16"});
+  command.add_choice("--precision", options->precision, "Of the file's numbers");
   command
       .add_option("--env-size", options->params.environment_size,
                   "Dim parts of the environment are merged to a cube of that many texels a face's edge")

@@ -19,9 +19,6 @@ struct BakeGridOptions {
   std::string scene;
   std::string output;
   EnvironmentChoice environment;
-  std::string basis = "vectors";
-  std::string estimator = "track";
-  std::string guard = "rays";
   std::vector<std::string> dynamic;  // regions
   std::uint64_t seed = 1;
   GridBakeParams params;
@@ -55,9 +52,6 @@ Box3f parse_bounds(const std::string& text) {
 
 void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) {
   GridBakeParams params = options.params;
-  params.basis = from_name<Basis>(options.basis);
-  params.estimator = from_name<Estimator>(options.estimator);
-  params.guard = from_name<Guard>(options.guard);
   params.seed = options.seed;
   if (!options.dynamic.empty()) params.dynamic_regions = parse_regions(options.dynamic);
   params.threads = thread_count(common);
@@ -70,6 +64,7 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
 
   const auto input = load_scene_input(options.scene, options.environment, common);
   const GridFrame frame = default_frame(*input.lit.scene, params);
+  params.frame = frame;
   if (const int threads = affordable_threads(input.lit, frame, params); threads < params.threads) {
     print_note(common, fmt::format("note: {} threads instead of {}: each needs memory for the whole grid", threads,
                                    params.threads));
@@ -154,18 +149,13 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
                     "Surfaces a photon may scatter at; Russian roulette ends most before");
   command.add_flag("--direct", params.include_direct, "Store light straight from its sources too");
   add_environment_options(command, options->environment);
-  command.add_option("--basis", options->basis, "Directional basis stored at each vertex")
-      .one_of({"vectors", "vectors9", "sh9", "ambient_cube", "sh4"});
-  command
-      .add_option("--estimator", options->estimator,
-                  "How photons count: by the length of their path in a cell (track), by the faces they cross,\n"
-                  "divided by the cosine (face), or as published (face_paper); both fill basis vectors only")
-      .one_of({"track", "face", "face_paper"});
-  command
-      .add_option("--guard", options->guard,
-                  "Leak guard: rays and planes count only light that a vertex sees and store its\n"
-                  "compact guard; off does neither")
-      .one_of({"rays", "planes", "off"});
+  command.add_choice("--basis", params.basis, "Directional basis stored at each vertex");
+  command.add_choice("--estimator", params.estimator,
+                     "How photons count: by the length of their path in a cell (track), by the faces they cross,\n"
+                     "divided by the cosine (face), or as published (face_paper); both fill basis vectors only");
+  command.add_choice("--guard", params.guard,
+                     "Leak guard: rays and planes count only light that a vertex sees and store its\n"
+                     "compact guard; off does neither");
   command.footer(
       "The same command gives the same bytes with any --threads.\n"
       "\nExamples:\n"

@@ -25,7 +25,7 @@ struct BakeSh9Options {
   std::string order = "auto";
   double max_error = 0.01;
   std::string window = "none";
-  std::string dialect = "ivory";
+  Sh9Dialect dialect = Sh9Dialect::ivory;
 };
 
 Sh9Window chosen_window(const std::string& text, const Sh9& sh) {
@@ -54,7 +54,6 @@ Sh9Asset make_asset(const Sh9& whole, int order, const std::string& window, cons
 }
 
 void run_bake_sh9(const BakeSh9Options& options, const Command& command, const CommonOptions& common) {
-  const Sh9Dialect dialect = from_name<Sh9Dialect>(options.dialect);
   const bool automatic = options.order == "auto";
   if (!automatic && command.get_option("--max-error").given()) throw UsageError("--max-error serves --order auto only");
   chosen_window(options.window, Sh9{});
@@ -77,11 +76,11 @@ void run_bake_sh9(const BakeSh9Options& options, const Command& command, const C
   asset.metadata["method"] = std::string("sh9");
   const V3d least = minimum_irradiance(asset.sh);
   const double least_e = std::min({least.x, least.y, least.z});
-  write_sh9_dialect(options.output, asset, dialect, common.force);
+  write_sh9_dialect(options.output, asset, options.dialect, common.force);
 
   nlohmann::ordered_json result{{"file", options.output},
                                 {"kind", "sh9"},
-                                {"dialect", name_of(dialect)},
+                                {"dialect", name_of(options.dialect)},
                                 {"layout", name_of(input.image.layout)},
                                 {"order", asset.order},
                                 {"window", {1, asset.window.band1, asset.window.band2}},
@@ -138,8 +137,7 @@ void add_bake_sh9_command(Command bake, CommonOptions& common) {
                   "Against negative lobes: none, auto (the least change that keeps E from falling below zero), or the\n"
                   "width of a Hann window in bands, from 2")
       .type_name("none|auto|WIDTH");
-  command.add_option("--dialect", options->dialect, "Who is to read it; only ivory's own is read back")
-      .one_of({"ivory", "filament", "three.js", "EXT_lights_image_based"});
+  command.add_choice("--dialect", options->dialect, "Who is to read it; only ivory's own is read back");
   command.footer(
       "E(n) = (n 1) M (n 1)^T in lux, with the file's matrices M for R, G and B.\n"
       "--json: read_seconds is the time to load the map, projection_seconds that of its nine coefficients; the rest "

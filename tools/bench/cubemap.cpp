@@ -12,6 +12,7 @@
 #include <time.h>
 
 #include "grid/cubemap/reader.h"
+#include "tools/bench/median.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tracer/core/sampler.h"
@@ -59,8 +60,7 @@ double evaluation_ns(const std::vector<Point>& points, const Evaluate& evaluate)
     for (std::size_t i = 0; i < points.size(); ++i) results[i] = evaluate(points[i]);
     times.push_back((thread_time_ns() - start) / double(points.size()));
   }
-  std::nth_element(times.begin(), times.begin() + rounds / 2, times.end());
-  return times[rounds / 2];
+  return median(times);
 }
 
 void run(const std::vector<std::string>& paths, const CommonOptions& common) {

@@ -1,11 +1,11 @@
 #include "tools/bench/measure_lookup.h"
 
-#include <algorithm>
 #include <vector>
 
 #include <time.h>
 
 #include "grid/base/error.h"
+#include "tools/bench/median.h"
 #include "tracer/core/sampler.h"
 #include "tracer/render/guard_rays.h"
 
@@ -49,8 +49,7 @@ double median_ns(int rounds, std::size_t count, const Work& work) {
     work();
     times.push_back((thread_time_ns() - start) / double(count));
   }
-  std::nth_element(times.begin(), times.begin() + std::ptrdiff_t(times.size() / 2), times.end());
-  return times[times.size() / 2];
+  return median(times);
 }
 
 }  // namespace
@@ -63,9 +62,11 @@ LookupBench bench_lookup(const IrradianceGrid& grid, const Intersector& intersec
   // The results are kept, so that the compiler keeps the work.
   std::vector<Rgb> results(points.size());
   const auto look_up = [&](Guard guard) {
+    LookupParams params = lookup;
+    params.guard = guard;
     return median_ns(rounds, points.size(), [&] {
       for (std::size_t i = 0; i < points.size(); ++i)
-        results[i] = lookup_irradiance(grid, &intersector, guard, points[i].p, points[i].n, points[i].n, lookup);
+        results[i] = lookup_irradiance(grid, &intersector, points[i].p, points[i].n, points[i].n, params);
     });
   };
   LookupBench bench;

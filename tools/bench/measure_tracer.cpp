@@ -12,6 +12,7 @@
 #include <tbb/task_arena.h>
 
 #include "grid/field/resolve.h"
+#include "tools/bench/median.h"
 #include "tracer/bake/field/baker.h"
 #include "tracer/bake/field/photon_deposit.h"
 #include "tracer/bake/field/vertex_visibility.h"
@@ -26,11 +27,6 @@ double seconds(const std::function<void()>& work) {
   const auto start = std::chrono::steady_clock::now();
   work();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
-  return values[values.size() / 2];
 }
 
 struct Worker {
@@ -93,8 +89,9 @@ double replay(const Intersector& intersector, const std::vector<Ray>& rays, int 
 
 // Mean over the vertices that hold light of the variance of F and D, divided by the mean of their
 // squares, for one photon: measured over disjoint ranges of photons.
-double relative_variance(const PhotonTracer& tracer, const DepositTarget& empty, const GridAccumulator& frame,
-                         TrackWalk walk, const TracerBenchParams& params, int threads) {
+double relative_variance(const PhotonTracer& tracer, const DepositTarget& empty,
+                         const std::vector<float>& visible_fraction, TrackWalk walk, const TracerBenchParams& params,
+                         int threads) {
   constexpr int parts = 16;
   std::vector<double> sum;
   std::vector<double> squares;
@@ -104,9 +101,9 @@ double relative_variance(const PhotonTracer& tracer, const DepositTarget& empty,
     std::int64_t rays = 0;
     trace_and_deposit(tracer, std::uint64_t(part) * photons, std::uint64_t(part + 1) * photons, &target, walk, threads,
                       rays);
-    GridAccumulator sums = frame;
+    GridAccumulator sums = to_accumulator(target);
+    sums.visible_fraction = visible_fraction;
     sums.photon_end = photons;
-    sums.sums = sums_by_vertex(target);
     const IrradianceGrid grid = resolve(sums);
     sum.resize(grid.moments.size());
     squares.resize(grid.moments.size());
@@ -186,19 +183,15 @@ TracerBench bench_tracer(const LitScene& lit, const TracerBenchParams& params) {
   bench.undeposited_ratio = median(bare_ratio);
   if (!speed_up.empty()) bench.two_thread_speed_up = median(speed_up);
 
-  GridAccumulator shape;
-  shape.frame = frame;
-  shape.visible_fraction = visible_fractions(masks);
+  const std::vector<float> visible_fraction = visible_fractions(masks);
   double exact_variance = 0;
   for (std::size_t m = 0; m < methods.size(); ++m) {
     std::fill(targets[m].sums.begin(), targets[m].sums.end(), 0);
-    shape.estimator = methods[m].estimator;
-    shape.quantum = targets[m].quantum;
-    shape.quantum_squared = targets[m].quantum_squared;
     DepositFigure figure;
     figure.name = methods[m].name;
     figure.segments_per_s = double(traced) / median(method_time[m]);
-    figure.relative_variance = relative_variance(tracer, targets[m], shape, methods[m].walk, params, threads);
+    figure.relative_variance =
+        relative_variance(tracer, targets[m], visible_fraction, methods[m].walk, params, threads);
     if (methods[m].walk == TrackWalk::exact) exact_variance = figure.relative_variance;
     bench.deposits.push_back(figure);
   }

@@ -1,5 +1,4 @@
 // ivory bench runtime: what a frame costs by each source of ambient light, and what loading costs.
-#include <algorithm>
 #include <array>
 #include <chrono>
 #include <filesystem>
@@ -19,6 +18,7 @@
 #include "runtime/gl/check.h"
 #include "runtime/gl/headless_context.h"
 #include "runtime/renderer/renderer.h"
+#include "tools/bench/median.h"
 #include "tools/bench/runtime_assets.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
@@ -45,10 +45,6 @@ double cpu_ms() {
   timespec now{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
   return double(now.tv_sec) * 1e3 + double(now.tv_nsec) * 1e-6;
-}
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
-  return values[values.size() / 2];
 }
 
 struct Target {
@@ -249,10 +245,7 @@ void run(const BenchRuntimeOptions& options, const CommonOptions& common) {
   GpuLobes lobes = upload(assets.lobes);
   place(lobes, std::vector<RuntimeSphereLight>{{{V3f(3, 5, 2), 0.5F}, Rgb(20, 20, 20)}}, assets.spheres.spheres);
   const auto grid_read = [&](Interpolation interpolation, Guard guard) {
-    GridReadParams params;
-    params.lookup.interpolation = interpolation;
-    params.guard = guard;
-    return ambient(grid, params);
+    return ambient(grid, LookupParams{.guard = guard, .interpolation = interpolation});
   };
   GpuFivTables fiv = upload(std::span(&assets.table, 1));
   const std::vector<GpuFivOccluder> crowd = crowd_of(assets.occluder, 60);

@@ -1,5 +1,4 @@
 // ivory bench sh9: the projection onto nine harmonics beside merely adding up the same pixels.
-#include <algorithm>
 #include <array>
 #include <chrono>
 #include <functional>
@@ -11,6 +10,7 @@
 #include <tbb/parallel_for.h>
 
 #include "grid/env/irradiance.h"
+#include "tools/bench/median.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 
@@ -27,11 +27,6 @@ double seconds_of(const std::function<void()>& work) {
   const auto start = std::chrono::steady_clock::now();
   work();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
 }
 
 // What any method has to do at least: read every pixel once and add it up in double, on the same threads.

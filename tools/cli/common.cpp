@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -36,7 +37,12 @@ void set_action(Command command, CommonOptions& common, Output output, std::func
   });
 }
 
-void check_output(const std::string& path, const CommonOptions& common) { const PendingFile probe(path, common.force); }
+void check_output(const std::string& path, const CommonOptions& common) {
+  std::error_code unreadable;  // then the probe says why
+  if (!common.force && std::filesystem::is_regular_file(path, unreadable))
+    throw Error(path, "already exists", "give --force to overwrite it");
+  const PendingFile probe(path, common.force);
+}
 
 void check_output(const std::string& path, std::string_view extension, const CommonOptions& common) {
   if (lower_extension(path) != extension)

@@ -7,14 +7,30 @@
 
 namespace ivory {
 
+Option add_lookup_options(Command command, LookupParams& params, const std::string& guards, const std::string& group) {
+  Option guard = command.add_choice("--guard", params.guard, guards);
+  Option interpolation =
+      command.add_choice("--interpolation", params.interpolation, "Between grid vertices; tricubic is the B-spline");
+  Option reconstruction =
+      command.add_choice("--reconstruction", params.reconstruction, "Of irradiance from the stored vectors");
+  if (!group.empty()) {
+    for (Option option : {guard, interpolation, reconstruction}) option.group(group);
+  }
+  return guard;
+}
+
+void check_lookup(const std::string& path, Basis basis, bool has_guard, const LookupParams& params) {
+  if (params.guard == Guard::planes && !has_guard)
+    throw Error(path, "stores no guard planes", "bake it with --guard planes, or read it with --guard rays or off");
+  if (!reads(params.reconstruction, basis))
+    throw UsageError(fmt::format("--reconstruction {}: it reads a grid of basis vectors only, {} has {}",
+                                 name_of(params.reconstruction), path, name_of(basis)));
+}
+
 std::shared_ptr<GridInputOptions> add_grid_options(Command command, const std::string& purpose) {
   auto options = std::make_shared<GridInputOptions>();
   command.add_option("--grid", options->grid, purpose).type_name("GRID.vdb");
-  command.add_option("--guard", options->guard, "Leak guard of grid look-ups").one_of({"rays", "planes", "off"});
-  command.add_option("--interpolation", options->interpolation, "Between grid vertices; tricubic is the B-spline")
-      .one_of({"trilinear", "tricubic"});
-  command.add_option("--reconstruction", options->reconstruction, "Of irradiance from the stored vectors")
-      .one_of({"optimal", "paper"});
+  add_lookup_options(command, options->lookup, "Leak guard of grid look-ups");
   return options;
 }
 
@@ -27,33 +43,20 @@ IrradianceGrid load_grid(const GridInputOptions& options, const SceneInput& inpu
   IrradianceGrid grid = load_grid_vdb(options.grid);
   if (grid.light != StoredLight::indirect)
     throw Error(options.grid, "holds direct light, which rendering would count twice", "bake it without --direct");
-  if (options.guard == "planes" && grid.guard.empty())
-    throw Error(options.grid, "stores no guard planes", "bake it with --guard planes, or render with --guard rays");
+  check_lookup(options.grid, grid.basis, !grid.guard.empty(), options.lookup);
   check_environment(options.grid, grid.metadata, input);
   if (const auto hash = find_text(grid.metadata, "scene_hash"); hash && *hash != input.lit.scene->content_hash) {
     print_note(common, fmt::format("note: {} was baked from another scene ({})", options.grid,
                                    find_text(grid.metadata, "scene").value_or("")));
   }
-  if (options.reconstruction == "paper" && grid.basis != Basis::vectors)
-    throw UsageError(fmt::format("--reconstruction paper needs a grid of basis vectors, {} has {}", options.grid,
-                                 name_of(grid.basis)));
   return grid;
-}
-
-GridLight grid_light(const GridInputOptions& options, const IrradianceGrid& grid) {
-  GridLight light;
-  light.grid = &grid;
-  light.guard = from_name<Guard>(options.guard);
-  light.lookup.interpolation = from_name<Interpolation>(options.interpolation);
-  light.lookup.reconstruction = from_name<Reconstruction>(options.reconstruction);
-  return light;
 }
 
 void describe(const GridInputOptions& options, Metadata& metadata) {
   metadata["grid"] = options.grid.substr(options.grid.find_last_of('/') + 1);
-  metadata["guard"] = options.guard;
-  metadata["interpolation"] = options.interpolation;
-  metadata["reconstruction"] = options.reconstruction;
+  metadata["guard"] = std::string(name_of(options.lookup.guard));
+  metadata["interpolation"] = std::string(name_of(options.lookup.interpolation));
+  metadata["reconstruction"] = std::string(name_of(options.lookup.reconstruction));
 }
 
 }  // namespace ivory

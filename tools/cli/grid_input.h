@@ -11,11 +11,17 @@
 
 namespace ivory {
 
+// --guard, --interpolation and --reconstruction, in the help page's group `group` where that is not empty; `guards` is
+// what the help says of --guard. Answers --guard.
+Option add_lookup_options(Command command, LookupParams& params, const std::string& guards,
+                          const std::string& group = {});
+// Throws UsageError where `path`, a grid of that basis, cannot be read with the parameters' reconstruction, and Error
+// where they ask for guard planes and it has none.
+void check_lookup(const std::string& path, Basis basis, bool has_guard, const LookupParams& params);
+
 struct GridInputOptions {
   std::string grid;
-  std::string guard = "rays";
-  std::string interpolation = "trilinear";
-  std::string reconstruction = "optimal";
+  LookupParams lookup{.guard = Guard::rays};
 };
 
 // --grid and how it is read; `purpose` is what --grid is for.
@@ -26,8 +32,6 @@ const std::vector<std::string>& grid_option_names();
 // A grid of indirect light that has what the guard needs and was baked under the input's environment. Throws Error and
 // UsageError for another; notes where it was baked from another scene.
 IrradianceGrid load_grid(const GridInputOptions& options, const SceneInput& input, const CommonOptions& common);
-// How the options read it; `grid` must outlive the answer.
-GridLight grid_light(const GridInputOptions& options, const IrradianceGrid& grid);
 
 void describe(const GridInputOptions& options, Metadata& metadata);
 

@@ -1,4 +1,5 @@
 // ivory: the command line. Exit codes: 0 done, 1 failed, 2 usage.
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
@@ -22,6 +23,15 @@ void print_error(std::string message) {
     if (c == '\n' || c == '\r') c = ' ';
   }
   fmt::print(stderr, "ivory: {}\n", message);
+}
+
+// What sets a library's parameter: "--voxel-size" for voxel_size, where the command has such an option.
+std::string flag_of(const CLI::App& app, const std::string& parameter) {
+  const CLI::App* command = &app;
+  while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
+  std::string flag = "--" + parameter;
+  std::replace(flag.begin(), flag.end(), '_', '-');
+  return command->get_option_no_throw(flag) != nullptr ? flag : parameter;
 }
 
 int run(int argc, char** argv) {
@@ -64,6 +74,9 @@ int run(int argc, char** argv) {
 
   try {
     app.parse(argc, argv);
+  } catch (const ivory::ParameterError& error) {
+    print_error(flag_of(app, error.parameter()) + ": " + error.cause());
+    return exit_usage;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     print_error(std::string(error.what()) + "; --help explains");

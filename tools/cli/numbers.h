@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "grid/base/types.h"
+#include "tools/cli/usage_error.h"
 
 namespace ivory {
 
@@ -16,9 +17,10 @@ namespace ivory {
 std::optional<double> parse_number(std::string_view text);
 std::optional<float> parse_float(std::string_view text);
 
-// Parsers of option values; `option` is named in the UsageError they throw for anything else. CLI11's own would not
-// do: CLI::AsNumberWithUnit reads either 1.5k or whole numbers beyond 2^53 exactly, and after a list too short for
-// its delimiter(',') it takes the options that follow for values.
+// Parsers of option values; `option` is named in the UsageError they throw for anything else. Not CLI11's own:
+// CLI::AsNumberWithUnit reads 1.5k or numbers beyond 2^53 exactly, but not both, and takes -1 for 2^64 - 1; its
+// delimiter(',') takes nan, and most lists here are parts of longer texts (boxes, FILE.glb@X,Y,Z, repeated options).
+
 // "8m" = 8,000,000, "1.5k" = 1500, "2g"; whole numbers below 2^63 only.
 std::uint64_t parse_count(std::string_view option, std::string_view text);
 // "NX,NY,NZ", or "N" for all three; each from `least` to 65536.

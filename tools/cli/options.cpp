@@ -1,7 +1,6 @@
 #include "tools/cli/options.h"
 
 #include <cmath>
-#include <limits>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -37,7 +36,7 @@ Option& Option::default_str(const std::string& text) {
 }
 
 Option& Option::repeated() {
-  option_->expected(1, std::numeric_limits<int>::max())->allow_extra_args(false);
+  option_->expected(1, -1)->allow_extra_args(false);  // as many as wanted
   return *this;
 }
 

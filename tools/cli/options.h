@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "grid/base/names.h"
 #include "grid/base/types.h"
 
 namespace CLI {
@@ -62,6 +63,14 @@ class Command {
   // Text that `read` takes, once a value; what it throws ends the program.
   Option add_option(const std::string& name, std::function<void(const std::string& text)> read,
                     const std::string& description);
+  // One of the enum's names.
+  template <typename Enum>
+  Option add_choice(const std::string& name, Enum& value, const std::string& description) {
+    return add_option(
+               name, [&value](const std::string& text) { value = from_name<Enum>(text); }, description)
+        .one_of(names_of<Enum>())
+        .default_str(std::string(name_of(value)));
+  }
   Option add_flag(const std::string& name, bool& value, const std::string& description);
   Option add_flag(const std::string& name, std::function<void()> given, const std::string& description);
 

@@ -1,10 +1,12 @@
 # cmake --install: the command, and the libraries that engines link as a CMake package (see ivoryConfig.cmake.in), which
 # --component runtime installs alone.
-include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
+set(module_folder ${CMAKE_INSTALL_LIBDIR}/ivory)
 if(IVORY_BUILD_TOOLS)
+  set_target_properties(ivory PROPERTIES INSTALL_RPATH "$ORIGIN/../${module_folder}")
   install(TARGETS ivory COMPONENT tools)
+  install(TARGETS ivory_images LIBRARY DESTINATION ${module_folder} COMPONENT tools)
   install(FILES tools/cli/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
     RENAME ivory COMPONENT tools)
   # Pages are made when installing, as building them would run the command 50 times.
@@ -28,6 +30,7 @@ if(IVORY_BUILD_RUNTIME)
   install(TARGETS ivory_runtime ivory_grid_io ivory_grid EXPORT ivory
     ARCHIVE COMPONENT runtime
     FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ivory COMPONENT runtime)
+  install(TARGETS ivory_images LIBRARY DESTINATION ${module_folder} COMPONENT runtime)
   install(DIRECTORY shaders/ DESTINATION ${IVORY_SHADER_FOLDER} COMPONENT runtime)
   install(EXPORT ivory NAMESPACE ivory:: FILE ivoryTargets.cmake DESTINATION ${package_folder} COMPONENT runtime)
   configure_package_config_file(tools/cmake/ivoryConfig.cmake.in ${config_folder}/ivoryConfig.cmake

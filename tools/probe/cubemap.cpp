@@ -44,20 +44,17 @@ ProbeEstimates probe_cubemap(CubeMethod method, const ProbeRequest& request) {
 }  // namespace
 
 ProbeSource make_cubemap_source(Command command) {
-  auto lookup = std::make_shared<std::string>("polygon");
+  auto lookup = std::make_shared<CubeMethod>(CubeMethod::polygon);
   command
-      .add_option("--lookup", *lookup,
+      .add_choice("--lookup", *lookup,
                   "How a cube map is read: texels as polygons, polygons as published, points, or by an\n"
                   "irradiance map of 6x16x16 texels convolved at the reference point, distances ignored")
-      .one_of({"polygon", "polygon_paper", "point", "convolved"})
       .group("For cube maps");
   ProbeSource source;
   source.name = "cube maps";
   source.options = {"--lookup"};
   source.matches = [](const std::string& path) { return exr_asset_kind(path) == "cubemap"; };
-  source.probe = [lookup](const ProbeRequest& request) {
-    return probe_cubemap(from_name<CubeMethod>(*lookup), request);
-  };
+  source.probe = [lookup](const ProbeRequest& request) { return probe_cubemap(*lookup, request); };
   return source;
 }
 

@@ -34,19 +34,16 @@ ProbeEstimates probe_fiv(Straddling straddling, const ProbeRequest& request) {
 }  // namespace
 
 ProbeSource make_fiv_source(Command command) {
-  auto straddling = std::make_shared<std::string>("bound");
+  auto straddling = std::make_shared<Straddling>(Straddling::bound);
   command
-      .add_option("--straddling", *straddling,
+      .add_choice("--straddling", *straddling,
                   "FIV tables: occluders that reach below a point's plane; bound, or the published scale")
-      .one_of({"bound", "scale"})
       .group("For FIV tables: E that the occluder hides; x,y,z relative to its bounding sphere's centre");
   ProbeSource source;
   source.name = "FIV tables";
   source.options = {"--straddling"};
   source.matches = [](const std::string& path) { return exr_asset_kind(path) == "fiv"; };
-  source.probe = [straddling](const ProbeRequest& request) {
-    return probe_fiv(from_name<Straddling>(*straddling), request);
-  };
+  source.probe = [straddling](const ProbeRequest& request) { return probe_fiv(*straddling, request); };
   return source;
 }
 

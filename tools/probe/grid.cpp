@@ -1,12 +1,14 @@
 // ivory probe GRID.vdb: irradiance read from a grid.
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include "grid/base/error.h"
 #include "grid/io/file.h"
+#include "tools/cli/grid_input.h"
 #include "tools/cli/scene_input.h"
 #include "tools/cli/vdb_input.h"
 #include "tools/probe/source.h"
@@ -18,39 +20,26 @@ namespace {
 
 struct GridOptions {
   std::string scene;
-  std::string guard;
-  std::string interpolation = "trilinear";
-  std::string reconstruction = "optimal";
-  float nudge_voxels = LookupParams{}.nudge_voxels;
+  LookupParams lookup;
+  std::optional<Option> guard;  // chosen by hand?
 };
 
-// The guard asked for, or the best that the inputs allow.
-Guard choose_guard(const std::string& source, const GridOptions& options, const IrradianceGrid& grid) {
-  if (options.guard.empty()) {
-    if (!options.scene.empty()) return Guard::rays;
-    return grid.guard.empty() ? Guard::off : Guard::planes;
-  }
-  const Guard guard = from_name<Guard>(options.guard);
-  if (guard == Guard::rays && options.scene.empty()) throw UsageError("--guard rays needs the scene: give --scene");
-  if (guard != Guard::rays && !options.scene.empty()) throw UsageError("--scene serves --guard rays only");
-  if (guard == Guard::planes && grid.guard.empty())
-    throw Error(source, "stores no compact guard", "bake it with --guard planes or rays, or give --guard off");
-  return guard;
+// With the guard asked for, or the best that the inputs allow.
+LookupParams choose_lookup(const std::string& source, const GridOptions& options, const IrradianceGrid& grid) {
+  LookupParams params = options.lookup;
+  const bool has_scene = !options.scene.empty();
+  if (!options.guard->given()) params.guard = has_scene ? Guard::rays : grid.guard.empty() ? Guard::off : Guard::planes;
+  if (params.guard == Guard::rays && !has_scene) throw UsageError("--guard rays needs the scene: give --scene");
+  if (params.guard != Guard::rays && has_scene) throw UsageError("--scene serves --guard rays only");
+  check_lookup(source, grid.basis, !grid.guard.empty(), params);
+  return params;
 }
 
 ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& request) {
   const PointsTable& table = request.table;
   const CommonOptions& common = request.common;
   const IrradianceGrid grid = load_grid_vdb(request.source);
-  const Guard guard = choose_guard(request.source, options, grid);
-  LookupParams params;
-  params.interpolation = from_name<Interpolation>(options.interpolation);
-  params.reconstruction = from_name<Reconstruction>(options.reconstruction);
-  params.nudge_voxels = options.nudge_voxels;
-  if (params.reconstruction == Reconstruction::paper && grid.basis != Basis::vectors) {
-    throw UsageError(fmt::format("--reconstruction paper reads basis 'vectors' only; {} stores '{}'", request.source,
-                                 name_of(grid.basis)));
-  }
+  const LookupParams params = choose_lookup(request.source, options, grid);
   if (request.indirect_only && grid.light != StoredLight::indirect)
     throw Error(request.source, "was baked with --direct and cannot be read without", "bake it again without --direct");
 
@@ -68,7 +57,7 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
   out.standard_error.resize(table.p.size());
   tbb::parallel_for(std::size_t(0), table.p.size(), [&](std::size_t i) {
     const V3f& n = table.n[i];
-    const Footprint footprint = lookup_footprint(grid, intersector, guard, table.p[i], n, params);
+    const Footprint footprint = lookup_footprint(grid, intersector, table.p[i], n, params);
     out.e[i] = irradiance(grid, footprint, n, params.reconstruction);
     out.standard_error[i] = irradiance_standard_error(grid, footprint);
   });
@@ -84,8 +73,9 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
     print_note(common, fmt::format("warning: {} of {} points lie outside the grid and read its nearest vertices",
                                    outside, table.p.size()));
   }
-  out.facts = {
-      {"source", std::string("grid")}, {"guard", std::string(name_of(guard))}, {"outside", std::int64_t(outside)}};
+  out.facts = {{"source", std::string("grid")},
+               {"guard", std::string(name_of(params.guard))},
+               {"outside", std::int64_t(outside)}};
   return out;
 }
 
@@ -97,18 +87,11 @@ ProbeSource make_grid_source(Command command) {
   command.add_option("--scene", options->scene, "The scene that was baked, for --guard rays")
       .type_name("SCENE")
       .group(grids);
-  command
-      .add_option("--guard", options->guard,
-                  "What keeps leaks out: rays [with --scene], the stored planes\n[where there are any], off")
-      .one_of({"rays", "planes", "off"})
-      .group(grids);
-  command.add_option("--interpolation", options->interpolation, "Between vertices")
-      .one_of({"trilinear", "tricubic"})
-      .group(grids);
-  command.add_option("--reconstruction", options->reconstruction, "From stored moments to E(n)")
-      .one_of({"optimal", "paper"})
-      .group(grids);
-  command.add_option("--nudge", options->nudge_voxels, "Points move this far along n first, in voxels")
+  options->guard = add_lookup_options(
+      command, options->lookup,
+      "What keeps leaks out: rays [with --scene], the stored planes\n[where there are any], off", grids);
+  options->guard->default_str("");
+  command.add_option("--nudge", options->lookup.nudge_voxels, "Points move this far along n first, in voxels")
       .within(0.0, 2.0)
       .group(grids);
 

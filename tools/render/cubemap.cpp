@@ -17,7 +17,7 @@ namespace {
 
 struct CubemapOptions {
   std::string path;
-  std::string lookup = "polygon";
+  CubeMethod lookup = CubeMethod::polygon;
   std::shared_ptr<GridInputOptions> grid;
 };
 
@@ -25,7 +25,8 @@ Film render_cubemap(const CubemapOptions& options, const RenderRequest& request)
   const CommonOptions& common = request.common;
   const LocalizedCube cube = read_localized_cube(options.path);
   check_environment(options.path, cube.metadata, request.input);
-  if (const auto baked = find_text(cube.metadata, "scene_hash"); baked && *baked != request.input.lit.scene->content_hash)
+  if (const auto baked = find_text(cube.metadata, "scene_hash");
+      baked && *baked != request.input.lit.scene->content_hash)
     print_note(common, fmt::format("note: {} was baked from another scene", options.path));
   ObjectLightParams params;
   params.is_object = request.is_object;
@@ -33,11 +34,10 @@ Film render_cubemap(const CubemapOptions& options, const RenderRequest& request)
   GridLight light;
   if (!options.grid->grid.empty()) {
     grid = load_grid(*options.grid, request.input, common);
-    light = grid_light(*options.grid, *grid);
+    light = {&*grid, options.grid->lookup};
     params.grid = &light;
   }
-  return render_with_cube(request.input.lit, {&cube, from_name<CubeMethod>(options.lookup)}, request.view,
-                          request.params, params);
+  return render_with_cube(request.input.lit, {&cube, options.lookup}, request.view, request.params, params);
 }
 
 }  // namespace
@@ -47,12 +47,10 @@ RenderMethod make_cubemap_method(Command command, const std::shared_ptr<GridInpu
   options->grid = grid;
   command.add_option("--cubemap", options->path, "Localized cube map that lights the objects (see ivory bake cubemap)")
       .type_name("MAP.exr");
-  command
-      .add_option("--lookup", options->lookup,
-                  "How the cube map is read: texels as polygons; polygons without a cut at the horizon, as\n"
-                  "published; points; or a map of 6x16x16 texels convolved at the reference point, distances\n"
-                  "ignored")
-      .one_of({"polygon", "polygon_paper", "point", "convolved"});
+  command.add_choice("--lookup", options->lookup,
+                     "How the cube map is read: texels as polygons; polygons without a cut at the horizon, as\n"
+                     "published; points; or a map of 6x16x16 texels convolved at the reference point, distances\n"
+                     "ignored");
   RenderMethod method;
   method.name = "cubemap";
   method.summary = "path, or direct with --grid, but --object lit by --cubemap";
@@ -65,7 +63,7 @@ RenderMethod make_cubemap_method(Command command, const std::shared_ptr<GridInpu
   method.render = [options](const RenderRequest& request) { return render_cubemap(*options, request); };
   method.describe = [options](Metadata& m) {
     m["cubemap"] = options->path.substr(options->path.find_last_of('/') + 1);
-    m["lookup"] = options->lookup;
+    m["lookup"] = std::string(name_of(options->lookup));
     if (!options->grid->grid.empty()) describe(*options->grid, m);
   };
   return method;

@@ -21,8 +21,7 @@ namespace {
 struct FivOptions {
   std::vector<std::string> occluders;  // NODE=TABLE.exr
   std::string ambient;
-  std::string overlap = "covers";
-  std::string straddling = "bound";
+  FivLightParams params;
 };
 
 struct NamedTable {
@@ -93,10 +92,7 @@ Film render(const FivOptions& options, const RenderRequest& request) {
   if (!scene.lights.empty() || !scene.sphere_lights.empty())
     print_note(request.common, "note: --method fiv leaves out all lights but the environment");
   fiv.unshadowed = load_ambient(options.ambient, input, request.common);
-  FivLightParams params;
-  params.straddling = from_name<Straddling>(options.straddling);
-  params.overlap = from_name<FivOverlap>(options.overlap);
-  return render_fiv(fiv, input.lit, request.view, request.params, params);
+  return render_fiv(fiv, input.lit, request.view, request.params, options.params);
 }
 
 }  // namespace
@@ -113,14 +109,10 @@ RenderMethod make_fiv_method(Command command) {
       .add_option("--ambient", options->ambient,
                   "Unshadowed irradiance of --env, by ivory bake difmap or sh9 [found at start]")
       .type_name("DIFMAP.exr|SH9.json");
-  command
-      .add_option("--overlap", options->overlap,
-                  "How light that several occluders hide is counted once: discs is the published rule")
-      .one_of({"covers", "discs", "product", "none"});
-  command
-      .add_option("--straddling", options->straddling,
-                  "Occluders that reach below a receiver's plane: bound, or the published scale")
-      .one_of({"bound", "scale"});
+  command.add_choice("--overlap", options->params.overlap,
+                     "How light that several occluders hide is counted once: discs is the published rule");
+  command.add_choice("--straddling", options->params.straddling,
+                     "Occluders that reach below a receiver's plane: bound, or the published scale");
   RenderMethod method;
   method.name = "fiv";
   method.summary = "diffuse light of --env, shadowed by --occluder tables";
@@ -132,8 +124,8 @@ RenderMethod make_fiv_method(Command command) {
   };
   method.render = [options](const RenderRequest& request) { return render(*options, request); };
   method.describe = [options](Metadata& m) {
-    m["overlap"] = options->overlap;
-    m["straddling"] = options->straddling;
+    m["overlap"] = std::string(name_of(options->params.overlap));
+    m["straddling"] = std::string(name_of(options->params.straddling));
     if (!options->ambient.empty()) m["ambient"] = options->ambient.substr(options->ambient.find_last_of('/') + 1);
     for (std::size_t i = 0; i < options->occluders.size(); ++i)
       m[fmt::format("occluder_{}", i)] = options->occluders[i];

@@ -23,7 +23,7 @@ Film render_grid(const GatherOptions& options, bool gather, const RenderRequest&
   params.gather_rays = gather ? *options.gather : 0;
   params.indirect_only = request.indirect_only;
   const LitScene& lit = request.input.lit;
-  const GridLight light = grid_light(*options.grid, grid);
+  const GridLight light{&grid, options.grid->lookup};
   return render_gather(lit, indirect_light(lit, light), request.view, request.params, params);
 }
 

@@ -17,8 +17,6 @@ namespace {
 struct LobeOptions {
   std::string table;
   std::vector<std::string> sphere_sets;
-  std::string shadows = "lobes";
-  std::string mask = "center";
   LobeParams params;
 };
 
@@ -31,13 +29,6 @@ std::vector<Sphere> load_placed(const std::string& text) {
   std::vector<Sphere> spheres = read_spheres(text.substr(0, at)).spheres;
   for (Sphere& sphere : spheres) sphere.center += offset;
   return spheres;
-}
-
-LobeParams params_of(const LobeOptions& options) {
-  LobeParams params = options.params;
-  params.shadows = from_name<LobeShadows>(options.shadows);
-  params.mask_rule = from_name<MaskRule>(options.mask);
-  return params;
 }
 
 Film render(const LobeOptions& options, const RenderRequest& request) {
@@ -58,7 +49,7 @@ Film render(const LobeOptions& options, const RenderRequest& request) {
   if (!scene.lights.empty() || scene.environment)
     print_note(request.common,
                "note: --method lobes leaves out point, spot and directional lights and the environment");
-  return render_lobes(lobes, request.input.lit, request.view, request.params, params_of(options));
+  return render_lobes(lobes, request.input.lit, request.view, request.params, options.params);
 }
 
 }  // namespace
@@ -71,18 +62,14 @@ RenderMethod make_lobes_method(Command command) {
       .add_option("--spheres", options->sphere_sets, "Sphere set that casts shadows, moved by X,Y,Z; may be repeated")
       .repeated()
       .type_name("SET.json[@X,Y,Z]");
-  command
-      .add_option("--shadows", options->shadows,
-                  "lobes: masks of sphere sets; spheres, mesh: Monte Carlo on the sets or on the triangles; none")
-      .one_of({"lobes", "spheres", "mesh", "none"});
+  command.add_choice("--shadows", options->params.shadows,
+                     "lobes: masks of sphere sets; spheres, mesh: Monte Carlo on the sets or on the triangles; none");
   command.add_count("--shadow-rays", options->params.shadow_rays, 1,
                     "Rays a light and sample, stratified (with --shadows spheres or mesh)");
   command.add_option("--mask-depth", options->params.mask_depth, "Depth of the visibility mask's quad-tree")
       .within(0, max_mask_depth);
-  command
-      .add_option("--mask", options->mask,
-                  "What of a mask's cell must lie behind a sphere: its center, its inside, or be touched")
-      .one_of({"center", "inside", "touched"});
+  command.add_choice("--mask", options->params.mask_rule,
+                     "What of a mask's cell must lie behind a sphere: its center, its inside, or be touched");
   command
       .add_option("--threshold", options->params.threshold,
                   "Lobe products under this fraction of the unshadowed light are dropped")
@@ -98,19 +85,20 @@ RenderMethod make_lobes_method(Command command) {
                     "--mask-depth", "--mask",    "--threshold", "--split"};
   method.direct_only = true;
   method.check = [options] {
-    if (options->shadows != "mesh" && options->shadows != "none") {
+    if (options->params.shadows != LobeShadows::mesh && options->params.shadows != LobeShadows::none) {
       for (const std::string& text : options->sphere_sets) load_placed(text);
     }
   };
   method.render = [options](const RenderRequest& request) { return render(*options, request); };
   method.describe = [options](Metadata& m) {
-    m["shadows"] = options->shadows;
-    m["mask_depth"] = std::int64_t(options->params.mask_depth);
-    m["mask"] = options->mask;
-    m["threshold"] = double(options->params.threshold);
-    m["split"] = std::int64_t(options->params.max_split_level);
-    if (options->shadows == "spheres" || options->shadows == "mesh")
-      m["shadow_rays"] = std::int64_t(options->params.shadow_rays);
+    const LobeParams& params = options->params;
+    m["shadows"] = std::string(name_of(params.shadows));
+    m["mask_depth"] = std::int64_t(params.mask_depth);
+    m["mask"] = std::string(name_of(params.mask_rule));
+    m["threshold"] = double(params.threshold);
+    m["split"] = std::int64_t(params.max_split_level);
+    if (params.shadows == LobeShadows::spheres || params.shadows == LobeShadows::mesh)
+      m["shadow_rays"] = std::int64_t(params.shadow_rays);
   };
   return method;
 }

@@ -6,15 +6,13 @@
 
 namespace ivory {
 
-namespace {
-constexpr double pi_d = std::numbers::pi;
-}
+namespace {}
 
 // 4 pi sinh(m)/m exp(-l1 - l2) with m = |l1 a1 + l2 a2| (Tsai & Shih 2006, eq. 3), scaled so that nothing overflows.
 double gaussian_product(double l1, double l2, double alpha) {
   const double m = std::sqrt(std::max(0.0, l1 * l1 + l2 * l2 + 2 * l1 * l2 * std::cos(alpha)));
   const double ratio = m > 1e-6 ? (1 - std::exp(-2 * m)) / (2 * m) : 1;
-  return 4 * pi_d * ratio * std::exp(m - l1 - l2);
+  return 4 * std::numbers::pi * ratio * std::exp(m - l1 - l2);
 }
 
 // The mean cosine coth(l) - 1/l of a Gaussian is to be the cap's, (1 + cos(half angle))/2.
@@ -46,7 +44,7 @@ double irradiance_by_fit(const SphericalGaussian& light, double cosine) {
   const double along = slope * cosine;
   const double reach = width / (4 * slope);
   const double softened = std::abs(along) <= reach ? (along + reach) * (along + reach) / width : std::max(0.0, cosine);
-  return (scale * softened + bias) * light.amplitude * 2 * pi_d / l;
+  return (scale * softened + bias) * light.amplitude * 2 * std::numbers::pi / l;
 }
 
 }  // namespace ivory

@@ -80,7 +80,7 @@ std::vector<StabilityPoint> tiny_emitters(const StabilityParams& params) {
       const double e = direct + indirect;
       path += std::pow(by_paths[i] / e - 1, 2);
       chance += std::pow(by_chance[i] / e - 1, 2);
-      const Rgb read = lookup_irradiance(grid, &world.intersector, Guard::rays, at.p, at.n, at.n, {});
+      const Rgb read = lookup_irradiance(grid, &world.intersector, at.p, at.n, at.n, {.guard = Guard::rays});
       by_grid += std::pow(double(read.x) / indirect - 1, 2);
     }
     const auto n = double(probes.size());
@@ -118,7 +118,7 @@ std::vector<StabilityPoint> caustics(const StabilityParams& params) {
     const IrradianceGrid grid = resolve(bake_grid_sums(world, bake));
     const auto read = [&](double x, double z) {
       const V3f n(0, 1, 0);
-      return double(lookup_irradiance(grid, &world.intersector, Guard::rays, V3f(V3d(x, -1, z)), n, n, {}).x);
+      return double(lookup_irradiance(grid, &world.intersector, V3f(V3d(x, -1, z)), n, n, {.guard = Guard::rays}).x);
     };
     double middle = 0;
     std::vector<ProbePoint> probes;
@@ -216,7 +216,7 @@ std::vector<StabilityPoint> nearly_closed(const StabilityParams& params) {
       const IrradianceGrid grid = bake_all_light(world, bake);
       double sum = 0;
       for (const ProbePoint& at : floor)
-        sum += double(lookup_irradiance(grid, &world.intersector, Guard::rays, at.p, n, n, {}).x);
+        sum += double(lookup_irradiance(grid, &world.intersector, at.p, n, n, {.guard = Guard::rays}).x);
       return std::abs(sum / double(floor.size()) / mean - 1);
     };
     // The lowest vertices stand half a voxel of 1/6 m nearer to the hole: (2 / (2 - 1/12))^2 - 1 = 9 %.
@@ -272,7 +272,7 @@ std::vector<StabilityPoint> albedo_to_one(const StabilityParams& params) {
       const IrradianceGrid grid = resolve(bake_grid_sums(world, bake));
       double mean = 0;
       for (const ProbePoint& at : probes) {
-        const Rgb e = lookup_irradiance(grid, &world.intersector, Guard::rays, at.p, at.n, at.n, {});
+        const Rgb e = lookup_irradiance(grid, &world.intersector, at.p, at.n, at.n, {.guard = Guard::rays});
         mean += double(e.x) / double(probes.size());
       }
       // Four deviations, and the flat cells along the round wall.

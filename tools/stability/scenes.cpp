@@ -69,7 +69,7 @@ double mean_share(const LitScene& world, const IrradianceGrid& grid, Guard guard
                   const std::vector<ProbePoint>& points) {
   double sum = 0;
   for (const ProbePoint& at : points)
-    sum += double(lookup_irradiance(grid, &world.intersector, guard, at.p, at.n, at.n, {}).x);
+    sum += double(lookup_irradiance(grid, &world.intersector, at.p, at.n, at.n, {.guard = guard}).x);
   return sum / double(points.size()) / double(chamber_irradiance);
 }
 

@@ -17,7 +17,7 @@ StabilityCase stability_case(std::string_view name) {
   for (const StabilityCase& known : stability_cases()) {
     if (known.name == name) return known;
   }
-  throw UsageError("unknown stability case '" + std::string(name) + "'; --list names them");
+  throw ParameterError("case", "'" + std::string(name) + "' is unknown; --list names all");
 }
 
 }  // namespace ivory

@@ -35,7 +35,7 @@ struct StabilityCase {
 // All cases in a fixed order; names are unique.
 std::vector<StabilityCase> stability_cases();
 
-// Throws UsageError for a name that no case has.
+// Throws ParameterError for a name that no case has.
 StabilityCase stability_case(std::string_view name);
 
 // By subject, for stability_cases().

@@ -1,11 +1,11 @@
 // ivory view: the window on the runtime, and the same pictures without a window.
-#include <map>
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/grid_input.h"
 #include "tools/cli/scene_input.h"
 #include "tools/view/headless.h"
 #include "tools/view/window/viewer.h"
@@ -20,16 +20,7 @@ struct ViewCommand {
   bool headless = false;
   Imath::V2i size{0, 0};
   std::uint64_t samples = 0;
-  std::string guard = "planes";
-  std::string interpolation = "trilinear";
-  std::string reconstruction = "optimal";
-  std::string tone = "neutral";
-  std::string debug = "none";
   std::string constant;
-  std::string lookup = "polygon";
-  std::string overlap = "covers";
-  std::string straddling = "bound";
-  std::string mask = "center";
   std::vector<std::string> named;  // assets given by --grid and the like
   bool indirect_only = false;
 };
@@ -47,17 +38,8 @@ void check_outputs(const ViewCommand& command, const CommonOptions& common) {
 ViewRun finished(const ViewCommand& command) {
   ViewRun run = command.run;
   run.input.assets.insert(run.input.assets.end(), command.named.begin(), command.named.end());
-  if (command.guard == "rays")
+  if (run.settings.lookup.guard == Guard::rays)
     throw UsageError("--guard rays: shaders trace no rays; planes is what the grid stores of what they would find");
-  run.settings.guard = from_name<Guard>(command.guard);
-  run.settings.lookup.interpolation = from_name<Interpolation>(command.interpolation);
-  run.settings.lookup.reconstruction = from_name<Reconstruction>(command.reconstruction);
-  run.settings.cube_method = from_name<CubeMethod>(command.lookup);
-  run.settings.fiv.straddling = from_name<Straddling>(command.straddling);
-  run.settings.fiv.overlap = from_name<FivOverlap>(command.overlap);
-  run.settings.lobes.mask_rule = from_name<MaskRule>(command.mask);
-  run.settings.tone.curve = from_name<ToneCurve>(command.tone);
-  run.settings.debug = from_name<DebugView>(command.debug);
   run.settings.direct = !command.indirect_only;
   run.settings.constant_e_lux = Rgb(0, 0, 0);
   if (!command.constant.empty()) {
@@ -151,29 +133,18 @@ void add_light_options(Command app, ViewCommand& command) {
   app.add_option("--constant", command.constant, "Irradiance of method constant in lux [as bright as the grid]")
       .type_name("R,G,B")
       .group(group);
-  app.add_option("--guard", command.guard, "Leak guard of grid look-ups")
-      .one_of({"planes", "off", "rays"})
+  add_lookup_options(app, command.run.settings.lookup, "Leak guard of grid look-ups", group);
+  app.add_choice("--lookup", command.run.settings.cube_method, "How localized cube maps are read").group(group);
+  app.add_choice("--overlap", command.run.settings.fiv.overlap,
+                 "How light that several FIV occluders hide is counted once")
       .group(group);
-  app.add_option("--interpolation", command.interpolation, "Between grid vertices; tricubic is the B-spline")
-      .one_of({"trilinear", "tricubic"})
-      .group(group);
-  app.add_option("--reconstruction", command.reconstruction, "Of irradiance from the stored vectors")
-      .one_of({"optimal", "paper"})
-      .group(group);
-  app.add_option("--lookup", command.lookup, "How localized cube maps are read")
-      .one_of({"polygon", "polygon_paper", "point", "convolved"})
-      .group(group);
-  app.add_option("--overlap", command.overlap, "How light that several FIV occluders hide is counted once")
-      .one_of({"covers", "discs", "product", "none"})
-      .group(group);
-  app.add_option("--straddling", command.straddling, "FIV occluders that reach below a receiver's plane")
-      .one_of({"bound", "scale"})
+  app.add_choice("--straddling", command.run.settings.fiv.straddling,
+                 "FIV occluders that reach below a receiver's plane")
       .group(group);
   app.add_option("--mask-depth", command.run.settings.lobes.mask_depth, "Depth of the quad-tree of lobes' shadows")
       .within(0, max_mask_depth)
       .group(group);
-  app.add_option("--mask", command.mask, "What of a mask's cell must lie behind a sphere")
-      .one_of({"center", "inside", "touched"})
+  app.add_choice("--mask", command.run.settings.lobes.mask_rule, "What of a mask's cell must lie behind a sphere")
       .group(group);
   app.add_option("--threshold", command.run.settings.lobes.threshold,
                  "Lobe products under this fraction of the unshadowed light are dropped")
@@ -198,15 +169,12 @@ void add_picture_options(Command app, ViewCommand& command) {
       .within(-100.0, 100.0)
       .type_name("STOPS")
       .group(group);
-  app.add_option("--tone", command.tone, "Curve from light to display: neutral is that of ivory render")
-      .one_of(names_of<ToneCurve>())
+  app.add_choice("--tone", command.run.settings.tone.curve,
+                 "Curve from light to display: neutral is that of ivory render")
       .group(group);
   std::string debug = "What is shown instead of light, or on top of it:";
   for (const DebugView view : all_debug_views) debug += fmt::format("\n  {:<11} {}", name_of(view), summary(view));
-  app.add_option("--debug,--view-mode", command.debug, debug)
-      .one_of(names_of<DebugView>())
-      .type_name("NAME")
-      .group(group);
+  app.add_choice("--debug,--view-mode", command.run.settings.debug, debug).type_name("NAME").group(group);
   app.add_flag("--false-color", command.run.settings.false_color, "Debug views irradiance and stored in false colours")
       .group(group);
   app.add_option("--range", command.run.settings.range, "Largest value of false colours [from the picture]")

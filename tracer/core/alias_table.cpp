@@ -4,6 +4,7 @@
 
 namespace ivory {
 
+// Own code: those of libraries draw from generators of their own and do not tell the probabilities that they come to.
 AliasTable::AliasTable(std::span<const double> weights) {
   for (const double weight : weights) total_ += weight;
   if (!(total_ > 0)) return;

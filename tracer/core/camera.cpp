@@ -17,7 +17,7 @@ View make_view(const std::string& file, const Camera& camera, int width, int hei
   const float volume = x.cross(y).dot(z);
   if (!std::isfinite(volume) || volume == 0 || !std::isfinite(half_height) || half_height <= 0)
     throw Error(file, "camera '" + camera.name + "' has a singular transform or an impossible field of view",
-                "choose another with --camera");
+                "choose another camera");
   View view;
   view.origin = V3f(m[3][0], m[3][1], m[3][2]);
   view.right = x.normalized() * (half_height * float(width) / float(height));
@@ -37,8 +37,9 @@ const Camera& find_camera(const Scene& scene, const std::string& text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), index);
   if (error == std::errc() && end == text.data() + text.size() && index < scene.cameras.size())
     return scene.cameras[index];
-  throw UsageError(scene.name + " has no camera '" + text + "'; it has " + std::to_string(scene.cameras.size()) +
-                   (scene.cameras.size() == 1 ? " camera" : " cameras") + ", counted from 0");
+  throw ParameterError("camera", scene.name + " has no camera '" + text + "'; it has " +
+                                     std::to_string(scene.cameras.size()) +
+                                     (scene.cameras.size() == 1 ? " camera" : " cameras") + ", counted from 0");
 }
 
 Camera framing_camera(const V3f& center, float radius_m, float aspect) {

@@ -22,7 +22,7 @@ struct View {
 // Throws Error (naming `file`) where the camera's transform or angle makes no picture.
 View make_view(const std::string& file, const Camera& camera, int width, int height);
 
-// The scene's camera of that index ("0") or name. Throws UsageError where there is none.
+// The scene's camera of that index ("0") or name. Throws ParameterError where there is none.
 const Camera& find_camera(const Scene& scene, const std::string& index_or_name);
 
 // A camera that sees the whole sphere from the front, a little from above and the right.

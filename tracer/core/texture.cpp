@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+// Own code: OpenImageIO's texture system filters files by the width of a footprint; glTF asks for plain bilinear
+// texels.
+
 namespace ivory {
 namespace {
 

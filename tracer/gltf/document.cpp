@@ -138,6 +138,7 @@ json parse(const Document& document, std::span<const std::uint8_t> text) {
   }
 }
 
+// Own code: no library that ivory links decodes URIs.
 std::string percent_decoded(const std::string& uri) {
   const auto digit = [](char c) {
     if (c >= '0' && c <= '9') return c - '0';

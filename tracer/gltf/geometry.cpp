@@ -1,4 +1,3 @@
-// Mending of triangle meshes: degenerate triangles, unused vertices, flat normals, tangents.
 #include "tracer/gltf/geometry.h"
 
 #include <array>

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <tbb/parallel_for.h>
@@ -11,6 +9,7 @@
 #include <zlib.h>
 
 #include "grid/base/memory.h"
+#include "grid/io/image_codec.h"
 
 namespace ivory::gltf {
 namespace {
@@ -148,28 +147,24 @@ std::string decode_image(std::span<const std::uint8_t> bytes, Image& image) {
   if (!refused.empty()) return refused;
   if (extension == std::string_view("png") && !png_is_sound(bytes)) return "is cut off or damaged";
   if (extension == std::string_view("jpg") && !jpeg_is_complete(bytes)) return "is cut off";
-  OIIO::Filesystem::IOMemReader reader(const_cast<std::uint8_t*>(bytes.data()), bytes.size());
-  const std::string name = std::string("image.") + extension;
-  OIIO::ImageSpec config;
-  // glTF's alpha is not premultiplied.
-  config.attribute("oiio:UnassociatedAlpha", 1);
-  auto input = OIIO::ImageInput::create(name, false, &config, &reader);
-  if (!input || !input->set_ioproxy(&reader)) return fmt::format("cannot be decoded: {}", OIIO::geterror());
-  OIIO::ImageSpec spec;
-  if (!input->open(name, spec, config)) return fmt::format("cannot be decoded: {}", input->geterror());
+  std::string cause;
+  const auto file = image_codec().open(bytes, extension, cause);
+  if (!file) return fmt::format("cannot be decoded: {}", cause);
+  const ImageHeader& header = file->header;
   const Size size = claimed_size(bytes);
-  if (spec.width < 1 || spec.height < 1 || std::size_t(spec.width) != size.width ||
-      std::size_t(spec.height) != size.height)
-    return fmt::format("says it is {} x {} pixels and is {} x {}", size.width, size.height, spec.width, spec.height);
+  if (header.width < 1 || header.height < 1 || std::size_t(header.width) != size.width ||
+      std::size_t(header.height) != size.height)
+    return fmt::format("says it is {} x {} pixels and is {} x {}", size.width, size.height, header.width,
+                       header.height);
   const std::size_t pixels = size.width * size.height;
-  if (spec.nchannels < 1 || spec.nchannels > 4) return fmt::format("has {} channels", spec.nchannels);
+  if (header.channels < 1 || header.channels > 4) return fmt::format("has {} channels", header.channels);
 
-  image.width = spec.width;
-  image.height = spec.height;
-  image.rgba.resize(pixels * std::size_t(spec.nchannels));
-  if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8, image.rgba.data()))
-    return fmt::format("cannot be decoded: {}", input->geterror());
-  expand_to_rgba(image.rgba, pixels, spec.nchannels);
+  image.width = header.width;
+  image.height = header.height;
+  image.rgba.resize(pixels * std::size_t(header.channels));
+  if (cause = file->read(header.channels, PixelType::uint8, image.rgba.data()); !cause.empty())
+    return fmt::format("cannot be decoded: {}", cause);
+  expand_to_rgba(image.rgba, pixels, header.channels);
   return "";
 }
 

@@ -14,6 +14,9 @@ namespace {
 
 using nlohmann::json;
 
+// Own code: validators of JSON schemas neither follow indices into other arrays nor name the element that breaks a
+// rule.
+
 // Where the checker is, spelled out only when something is wrong.
 struct Place {
   const Place* parent = nullptr;

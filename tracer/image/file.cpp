@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <type_traits>
-#include <variant>
 #include <vector>
-
-#include <OpenImageIO/imageio.h>
 
 #include "grid/base/error.h"
 #include "grid/base/memory.h"
 #include "grid/io/file.h"
+#include "grid/io/image_codec.h"
 
 namespace ivory {
 
@@ -20,39 +17,12 @@ namespace {
 // IEC 61966-2-1.
 float srgb_from_linear(float x) { return x <= 0.0031308F ? 12.92F * x : 1.055F * std::pow(x, 1.0F / 2.4F) - 0.055F; }
 
-void add_metadata(OIIO::ImageSpec& spec, const Metadata& metadata) {
-  for (const auto& [key, value] : metadata) {
-    const std::string attribute = "ivory:" + key;
-    std::visit(
-        [&](const auto& v) {
-          using T = std::decay_t<decltype(v)>;
-          if constexpr (std::is_same_v<T, std::string>) {
-            spec.attribute(attribute, v);
-          } else if constexpr (std::is_same_v<T, double>) {
-            spec.attribute(attribute, float(v));
-          } else if (v >= std::numeric_limits<int>::min() && v <= std::numeric_limits<int>::max()) {
-            spec.attribute(attribute, int(v));
-          } else {
-            spec.attribute(attribute, std::to_string(v));  // formats keep 32-bit integers only
-          }
-        },
-        value);
-  }
-}
-
-// A writer for the format that the name's extension stands for.
-std::unique_ptr<OIIO::ImageOutput> create_output(const std::string& path) {
-  std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(path);
-  if (!output) {
-    OIIO::geterror();  // OpenImageIO prints an unread error when the program ends
-    throw Error(path, "has no extension that names an image format", "end it in .exr or .png");
-  }
-  return output;
-}
-
 }  // namespace
 
-void check_image_name(const std::string& path) { create_output(path); }
+void check_image_name(const std::string& path) {
+  if (!image_codec().can_write(path))
+    throw Error(path, "has no extension that names an image format", "end it in .exr or .png");
+}
 
 bool is_linear_image(const std::string& path) {
   const std::string extension = lower_extension(path);
@@ -64,20 +34,14 @@ bool is_linear_image(const std::string& path) {
 
 namespace {
 
-// Three channels from `pixels`, whose values are of the type `from`.
-void write_pixels(const std::string& path, int width, int height, OIIO::TypeDesc from, const void* pixels,
+// Three channels from `pixels`, whose values are of the type `type`.
+void write_pixels(const std::string& path, int width, int height, PixelType type, const void* pixels,
                   const Metadata& metadata, bool force) {
   PendingFile pending(path, force);
-  const std::unique_ptr<OIIO::ImageOutput> output = create_output(path);
-  const bool linear = is_linear_image(path);
-  OIIO::ImageSpec spec(width, height, 3, linear ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8);
-  spec.attribute("oiio:ColorSpace", linear ? "linear" : "sRGB");
-  if (lower_extension(path) == ".exr") spec.attribute("compression", "zip");
-  // OpenImageIO would store the time of day: the same command is to give the same bytes.
-  spec.attribute("DateTime", "");
-  add_metadata(spec, metadata);
-  if (!output->open(pending.temporary(), spec) || !output->write_image(from, pixels) || !output->close())
-    throw Error(path, "cannot be written (" + output->geterror() + ")", "check the disk and the extension");
+  check_image_name(path);
+  const ImageToWrite image{width, height, type, pixels, is_linear_image(path), metadata};
+  if (const std::string cause = image_codec().write(pending.temporary(), image); !cause.empty())
+    throw Error(path, "cannot be written (" + cause + ")", "check the disk and the extension");
   pending.commit();
 }
 
@@ -86,7 +50,7 @@ void write_pixels(const std::string& path, int width, int height, OIIO::TypeDesc
 void write_image(const std::string& path, const Film& film, float exposure_stops, const Metadata& metadata,
                  bool force) {
   if (is_linear_image(path)) {
-    write_pixels(path, film.width, film.height, OIIO::TypeDesc::FLOAT, &film.pixels.front().x, metadata, force);
+    write_pixels(path, film.width, film.height, PixelType::float32, &film.pixels.front().x, metadata, force);
     return;
   }
   std::vector<float> display;
@@ -96,31 +60,29 @@ void write_image(const std::string& path, const Film& film, float exposure_stops
     const Rgb mapped = tone_map(pixel * scale);
     for (int c = 0; c < 3; ++c) display.push_back(srgb_from_linear(std::clamp(mapped[c], 0.0F, 1.0F)));
   }
-  write_pixels(path, film.width, film.height, OIIO::TypeDesc::FLOAT, display.data(), metadata, force);
+  write_pixels(path, film.width, film.height, PixelType::float32, display.data(), metadata, force);
 }
 
 void write_display_image(const std::string& path, const DisplayImage& image, const Metadata& metadata, bool force) {
-  write_pixels(path, image.width, image.height, OIIO::TypeDesc::UINT8, image.rgb.data(), metadata, force);
+  write_pixels(path, image.width, image.height, PixelType::uint8, image.rgb.data(), metadata, force);
 }
 
 Film read_image(const std::string& path) {
-  const std::unique_ptr<OIIO::ImageInput> input = OIIO::ImageInput::open(path);
-  if (!input) {
-    OIIO::geterror();
-    throw Error(path, "cannot be read as an image", "give an EXR or other image file");
-  }
-  const OIIO::ImageSpec spec = input->spec();
-  if (spec.depth > 1) throw Error(path, "is a volume, no image", "give an EXR or other image file");
-  const int channels = spec.nchannels >= 3 ? 3 : 1;
+  std::string cause;
+  const std::unique_ptr<OpenImage> image = image_codec().open(path, cause);
+  if (!image) throw Error(path, "cannot be read as an image", "give an EXR or other image file");
+  const ImageHeader& header = image->header;
+  if (header.depth > 1) throw Error(path, "is a volume, no image", "give an EXR or other image file");
+  const int channels = header.channels >= 3 ? 3 : 1;
   Film film;
-  film.width = spec.width;
-  film.height = spec.height;
-  const auto count = std::size_t(spec.width) * std::size_t(spec.height);
+  film.width = header.width;
+  film.height = header.height;
+  const auto count = std::size_t(header.width) * std::size_t(header.height);
   check_memory(path, double(count) * (4.0 * channels + 12), "scale it down");
   std::vector<float> data(count * std::size_t(channels));
   film.pixels.resize(count);
-  if (!input->read_image(0, 0, 0, channels, OIIO::TypeDesc::FLOAT, data.data()))
-    throw Error(path, "is damaged (" + input->geterror() + ")", "write it again");
+  if (cause = image->read(channels, PixelType::float32, data.data()); !cause.empty())
+    throw Error(path, "is damaged (" + cause + ")", "write it again");
   for (std::size_t i = 0; i < count; ++i) {
     const float* p = data.data() + i * std::size_t(channels);
     film.pixels[i] = channels == 3 ? Rgb(p[0], p[1], p[2]) : Rgb(p[0], p[0], p[0]);

@@ -109,7 +109,7 @@ struct Gatherer {
 
 IndirectLight indirect_light(const LitScene& lit, const GridLight& grid) {
   return [&lit, &grid](const Surface& surface) {
-    return lookup_irradiance(*grid.grid, &lit.intersector, grid.guard, surface.p, surface.ng, surface.ns, grid.lookup);
+    return lookup_irradiance(*grid.grid, &lit.intersector, surface.p, surface.ng, surface.ns, grid.lookup);
   };
 }
 

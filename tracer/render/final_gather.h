@@ -13,8 +13,7 @@ namespace ivory {
 // A grid and how it is read. It must hold indirect light only.
 struct GridLight {
   const IrradianceGrid* grid = nullptr;
-  Guard guard = Guard::rays;
-  LookupParams lookup;
+  LookupParams lookup{.guard = Guard::rays};
 };
 
 // E in lux of indirect light at a surface, from whatever stores it. Called from any thread.

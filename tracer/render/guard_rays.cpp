@@ -36,9 +36,9 @@ VisibleEntries visible_by_rays(const IrradianceGrid& grid, const Intersector& in
 
 }  // namespace
 
-Footprint lookup_footprint(const IrradianceGrid& grid, const Intersector* intersector, Guard guard, const V3f& p,
-                           const V3f& ng, const LookupParams& params) {
-  if (guard != Guard::rays) return lookup_footprint(grid, guard, p, ng, params);
+Footprint lookup_footprint(const IrradianceGrid& grid, const Intersector* intersector, const V3f& p, const V3f& ng,
+                           const LookupParams& params) {
+  if (params.guard != Guard::rays) return lookup_footprint(grid, p, ng, params);
   assert(intersector != nullptr);
   float distance_m = nudge_m(grid.frame, params);
   V3f origin = offset_origin(p, ng, ng);
@@ -54,9 +54,9 @@ Footprint lookup_footprint(const IrradianceGrid& grid, const Intersector* inters
   });
 }
 
-Rgb lookup_irradiance(const IrradianceGrid& grid, const Intersector* intersector, Guard guard, const V3f& p,
-                      const V3f& ng, const V3f& n, const LookupParams& params) {
-  return irradiance(grid, lookup_footprint(grid, intersector, guard, p, ng, params), n, params.reconstruction);
+Rgb lookup_irradiance(const IrradianceGrid& grid, const Intersector* intersector, const V3f& p, const V3f& ng,
+                      const V3f& n, const LookupParams& params) {
+  return irradiance(grid, lookup_footprint(grid, intersector, p, ng, params), n, params.reconstruction);
 }
 
 }  // namespace ivory

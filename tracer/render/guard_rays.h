@@ -8,12 +8,12 @@
 namespace ivory {
 
 // As the functions of the same name in grid/field/lookup.h, for every guard. With rays, p is nudged no farther than
-// halfway to whatever stands in front of it. `intersector` may be null unless guard is rays.
-Footprint lookup_footprint(const IrradianceGrid& grid, const Intersector* intersector, Guard guard, const V3f& p,
-                           const V3f& ng, const LookupParams& params);
+// halfway to whatever stands in front of it. `intersector` may be null unless params.guard is rays.
+Footprint lookup_footprint(const IrradianceGrid& grid, const Intersector* intersector, const V3f& p, const V3f& ng,
+                           const LookupParams& params);
 
 // E(n) in lux per channel at p through that footprint; n is the shading normal.
-Rgb lookup_irradiance(const IrradianceGrid& grid, const Intersector* intersector, Guard guard, const V3f& p,
-                      const V3f& ng, const V3f& n, const LookupParams& params);
+Rgb lookup_irradiance(const IrradianceGrid& grid, const Intersector* intersector, const V3f& p, const V3f& ng,
+                      const V3f& n, const LookupParams& params);
 
 }  // namespace ivory

@@ -134,7 +134,7 @@ std::vector<PhotonArrival> trace(const LitScene& lit, const PhotonMapParams& par
   std::vector<PhotonArrival> first = trace_batch(0);
   check_memory(lit.scene->name,
                double(batches) * (double(first.size()) * (2 * sizeof(PhotonArrival) + 16) + sizeof first),
-               "ask for fewer --photons");
+               "ask for fewer photons");
   std::vector<std::vector<PhotonArrival>> arrivals(batches);
   arrivals[0] = std::move(first);
   std::mutex mutex;
@@ -150,7 +150,7 @@ std::vector<PhotonArrival> trace(const LitScene& lit, const PhotonMapParams& par
   std::size_t count = 0;
   for (const auto& part : arrivals) count += part.size();
   if (count > std::numeric_limits<std::uint32_t>::max())
-    throw UsageError("the photon map would hold more than 4 billion photons; ask for fewer --photons");
+    throw ParameterError("photons", "the photon map would hold more than 4 billion photons; ask for fewer");
   joined.reserve(count);
   for (auto& part : arrivals) {
     joined.insert(joined.end(), part.begin(), part.end());
@@ -262,7 +262,7 @@ struct PhotonMap::State {
 
 PhotonMap::PhotonMap(const LitScene& lit, const PhotonMapParams& params) : state_(std::make_unique<State>()) {
   if (lit.lights.empty())
-    throw Error(lit.scene->name, "nothing in it shines", "add a light or an emissive material, or give --env");
+    throw Error(lit.scene->name, "nothing in it shines", "add a light, an emissive material or an environment");
   tbb::task_arena arena(params.threads > 0 ? params.threads : tbb::task_arena::automatic);
   arena.execute([&] {
     State& state = *state_;

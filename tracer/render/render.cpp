@@ -43,7 +43,7 @@ Film render_film(const View& view, const RenderParams& params, const RadianceFun
   const std::size_t count = std::size_t(view.width) * std::size_t(view.height);
   // Pixels, and their copy on the way to a file.
   check_memory("image of " + std::to_string(view.width) + "x" + std::to_string(view.height), double(count) * 24,
-               "choose a smaller --size");
+               "choose a smaller size");
   film.pixels.assign(count, Rgb(0, 0, 0));
   std::atomic<std::size_t> done{0};
   constexpr int tile = 16;

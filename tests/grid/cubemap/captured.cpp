@@ -169,7 +169,7 @@ TEST(CapturedCube, LightIsKept) {
 
 TEST(CapturedCube, FitsHaveNames) {
   for (const ShellFit fit : fits) EXPECT_EQ(from_name<ShellFit>(name_of(fit)), fit);
-  EXPECT_THROW(from_name<ShellFit>("nonsense"), UsageError);
+  EXPECT_THROW(from_name<ShellFit>("nonsense"), ParameterError);
 }
 
 }  // namespace

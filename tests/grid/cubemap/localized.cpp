@@ -271,7 +271,7 @@ TEST(LocalizedCube, MethodsHaveNames) {
   for (const CubeMethod method :
        {CubeMethod::convolved, CubeMethod::point, CubeMethod::polygon, CubeMethod::polygon_paper})
     EXPECT_EQ(from_name<CubeMethod>(name_of(method)), method);
-  EXPECT_THROW(from_name<CubeMethod>("nonsense"), UsageError);
+  EXPECT_THROW(from_name<CubeMethod>("nonsense"), ParameterError);
 }
 
 }  // namespace

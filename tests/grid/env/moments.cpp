@@ -180,7 +180,7 @@ TEST(EnvironmentLayout, NamesShapesAndAspects) {
   }
   EXPECT_FALSE(layout_of_aspect(5, 4));
   EXPECT_FALSE(layout_of_aspect(0, 0));
-  EXPECT_THROW(from_name<EnvironmentLayout>("mirror_ball"), UsageError);
+  EXPECT_THROW(from_name<EnvironmentLayout>("mirror_ball"), ParameterError);
 }
 
 }  // namespace

@@ -227,7 +227,7 @@ TEST_F(Dialects, Names) {
   for (const Sh9Dialect dialect :
        {Sh9Dialect::ivory, Sh9Dialect::filament, Sh9Dialect::three_js, Sh9Dialect::ext_lights_image_based})
     EXPECT_EQ(from_name<Sh9Dialect>(name_of(dialect)), dialect);
-  EXPECT_THROW(from_name<Sh9Dialect>("unity"), UsageError);
+  EXPECT_THROW(from_name<Sh9Dialect>("unity"), ParameterError);
 }
 
 }  // namespace

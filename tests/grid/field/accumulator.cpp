@@ -53,7 +53,7 @@ TEST(Merge, RefusesPartsOfOtherBakes) {
       {"method", [](GridAccumulator& s) { s.metadata["method"] = std::string("other"); }},
       {"method", [](GridAccumulator& s) { s.metadata.erase("method"); }},
       {"extra", [](GridAccumulator& s) { s.metadata["extra"] = 1.0; }},
-      {"light", [](GridAccumulator& s) { s.light = StoredLight::indirect; }},
+      {"light", [](GridAccumulator& s) { s.light = StoredLight::direct_and_indirect; }},
       {"basis", [](GridAccumulator& s) { s.basis = Basis::vectors9; }},
       {"estimator", [](GridAccumulator& s) { s.estimator = Estimator::face; }},
       {"placement", [](GridAccumulator& s) { s.frame.origin_m.x += 1; }},

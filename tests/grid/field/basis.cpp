@@ -215,8 +215,8 @@ TEST(Basis, HemispheresRoundTrip) {
 
 TEST(Basis, PaperReconstructionIsForVectorsOnly) {
   const std::array<float, 36> moments{};
-  EXPECT_THROW(irradiance(Basis::sh9, Reconstruction::paper, moments.data(), V3f(0, 1, 0)), UsageError);
-  EXPECT_THROW(from_name<Basis>("sh2"), UsageError);
+  EXPECT_THROW(irradiance(Basis::sh9, Reconstruction::paper, moments.data(), V3f(0, 1, 0)), ParameterError);
+  EXPECT_THROW(from_name<Basis>("sh2"), ParameterError);
 }
 
 }  // namespace

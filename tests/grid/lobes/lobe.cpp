@@ -140,7 +140,7 @@ TEST(LobeTable, ExtremesStayFinite) {
     }
   }
   EXPECT_LT(lobe_product_integral(table(), {V3f(1, 0, 0), 3, 1}, {V3f(-1, 0, 0), 5, 1}), 1e-10F);
-  EXPECT_THROW(make_lobe_table({1, 65}), UsageError);
+  EXPECT_THROW(make_lobe_table({1, 65}), ParameterError);
 }
 
 TEST(CapLobe, HasTheCapsSolidAngleAndVectorMoment) {

@@ -53,7 +53,7 @@ struct Baked {
   double mean_irradiance(const IrradianceGrid& grid, Guard guard, const std::vector<SurfacePoint>& points) const {
     double sum = 0;
     for (const SurfacePoint& at : points)
-      sum += double(lookup_irradiance(grid, &lit.intersector, guard, at.p, at.n, at.n, {}).x);
+      sum += double(lookup_irradiance(grid, &lit.intersector, at.p, at.n, at.n, {.guard = guard}).x);
     return sum / double(points.size());
   }
 };
@@ -118,8 +118,8 @@ TEST_P(FurnishedRoom, GuardsMakeTheGridAccurate) {
     double sum = 0;
     for (std::size_t i = 0; i < probes.size(); ++i) {
       const ProbePoint& at = probes[i];
-      const double e =
-          double(lookup_irradiance(grid, &baked.lit.intersector, guard, at.p, at.n, at.n, {}).x) - double(truth[i].e.x);
+      const double e = double(lookup_irradiance(grid, &baked.lit.intersector, at.p, at.n, at.n, {.guard = guard}).x) -
+                       double(truth[i].e.x);
       sum += e * e / double(probes.size());
     }
     return std::sqrt(std::max(0.0, sum - noise)) / (most - least);
@@ -154,7 +154,7 @@ TEST(Variance, PredictsTheSpreadOfBakes) {
     double sum = 0;
     double squares = 0;
     for (const IrradianceGrid& grid : grids) {
-      const Footprint f = lookup_footprint(grid, nullptr, Guard::off, points[i].p, points[i].n, {});
+      const Footprint f = lookup_footprint(grid, nullptr, points[i].p, points[i].n, {.guard = Guard::off});
       const double e = double(irradiance(grid, f, points[i].n, Reconstruction::optimal).x);
       const double se = double(irradiance_standard_error(grid, f).x);
       sum += e;

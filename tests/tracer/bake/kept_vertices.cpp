@@ -72,11 +72,12 @@ TEST(KeptVertices, SurfacesReadTheSame) {
     LookupParams lookup;
     lookup.interpolation = interpolation;
     for (const Guard guard : {Guard::off, Guard::planes, Guard::rays}) {
+      lookup.guard = guard;
       for (int i = 0; i < 50; ++i) {
         const float s = 0.02F * float(i);
         const V3f p(-1 + 2 * s, -0.5F + s, -1 + 2 * s);
-        EXPECT_EQ(lookup_irradiance(full, &lit.intersector, guard, p, n, n, lookup),
-                  lookup_irradiance(sparse, &lit.intersector, guard, p, n, n, lookup));
+        EXPECT_EQ(lookup_irradiance(full, &lit.intersector, p, n, n, lookup),
+                  lookup_irradiance(sparse, &lit.intersector, p, n, n, lookup));
       }
     }
   }

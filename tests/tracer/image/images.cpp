@@ -114,9 +114,9 @@ TEST(Camera, RefusesWhatMakesNoPicture) {
   scene.cameras[1].name = "main";
   EXPECT_EQ(&find_camera(scene, "main"), &scene.cameras[1]);
   EXPECT_EQ(&find_camera(scene, "0"), &scene.cameras[0]);
-  EXPECT_THROW(find_camera(scene, "2"), UsageError);
-  EXPECT_THROW(find_camera(scene, "0x"), UsageError);
-  EXPECT_THROW(find_camera(scene, "-1"), UsageError);
+  EXPECT_THROW(find_camera(scene, "2"), ParameterError);
+  EXPECT_THROW(find_camera(scene, "0x"), ParameterError);
+  EXPECT_THROW(find_camera(scene, "-1"), ParameterError);
 }
 
 TEST_F(Images, ExrKeepsEveryBit) {

@@ -41,7 +41,7 @@ TEST(FinalGather, FurnaceEqualsThePathTracer) {
         params.indirect_only = indirect_only;
         GridLight light;
         light.grid = &grid;
-        light.guard = guard;
+        light.lookup.guard = guard;
         const Ray ray = ray_to({0.1F, 0.2F, 0.3F}, {-1, 0.5F, 0.4F});
         const Accumulator l =
             collect(20000, [&](RandomStream& random) { return trace_gather(lit, light, ray, params, random); });
@@ -84,7 +84,7 @@ TEST(FinalGather, EvenSamplesAreUnbiased) {
   const IrradianceGrid grid = uniform_grid(0.5F);
   GridLight light;
   light.grid = &grid;
-  light.guard = Guard::off;
+  light.lookup.guard = Guard::off;
   GatherParams params;
   params.gather_rays = 3;
   const View view = test_view(8, 6);
@@ -144,7 +144,7 @@ TEST(FinalGather, ReflectionsShowTheGridLitRoom) {
     const IrradianceGrid grid = uniform_grid(2);
     GridLight light;
     light.grid = &grid;
-    light.guard = Guard::off;
+    light.lookup.guard = Guard::off;
     const Ray ray = ray_to({0, 0.5F, 0.5F}, {0, 0, -0.2F});
     const Accumulator l =
         collect(100000, [&](RandomStream& random) { return trace_gather(lit, light, ray, {}, random); });

@@ -41,12 +41,12 @@ RuntimeCamera runtime_camera(const ViewSession& session, const ViewTarget& targe
 void require_inputs(const ViewSession& session, const ViewTarget& target) {
   const DebugView view = session.settings.debug;
   if (const std::string lack = lacks(session, view); !lack.empty())
-    throw UsageError(fmt::format("debug view {}: {}", name_of(view), lack));
+    throw ParameterError("debug", fmt::format("{}: {}", name_of(view), lack));
   if (view != DebugView::difference) return;
   const Film& film = session.reference->film;
   if (film.width != target.width() || film.height != target.height())
-    throw UsageError(fmt::format("debug view difference: the reference is {} x {}, the picture {} x {}", film.width,
-                                 film.height, target.width(), target.height()));
+    throw ParameterError("debug", fmt::format("difference: the reference is {} x {}, the picture {} x {}", film.width,
+                                              film.height, target.width(), target.height()));
 }
 
 // The value that nearly all of the picture stays under, so that a few outliers do not make the rest dark.

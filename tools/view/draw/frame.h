@@ -18,9 +18,9 @@ V2f pixel_point(int i);
 
 class ViewFrame {
  public:
-  // One point of each pixel, at `shift` (pixels) from its middle, added to the target's mean. Throws UsageError where
-  // the debug view lacks a grid or reference, Error as the runtime does. Notes of the session say which lights cast no
-  // shadow.
+  // One point of each pixel, at `shift` (pixels) from its middle, added to the target's mean. Throws ParameterError
+  // where the debug view lacks a grid or reference, Error as the runtime does. Notes of the session say which lights
+  // cast no shadow.
   void draw_point(ViewSession& session, ViewTarget& target, const V2f& shift);
 
   // From the target's mean to its display picture: tone-mapped, or in false colours over color_range().

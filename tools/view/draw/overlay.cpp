@@ -167,7 +167,7 @@ gl::Program& OverlayPass::program(const GridAsset& grid, DebugView view) {
 void OverlayPass::draw(const GridAsset& grid, const RuntimeCamera& camera, const ViewSettings& settings) {
   const bool vectors = settings.debug == DebugView::vectors;
   if (vectors && grid.gpu.basis != Basis::vectors)
-    throw UsageError("debug view vectors needs a grid of basis vectors, not " + std::string(name_of(grid.gpu.basis)));
+    throw ParameterError("debug", "vectors needs a grid of basis vectors, not " + std::string(name_of(grid.gpu.basis)));
   const GridFrame& frame = grid.gpu.frame;
   const int step = settings.vertex_step > 0 ? settings.vertex_step : automatic_vertex_step(frame);
   const V3i shown = shown_vertices(frame, step);

@@ -14,8 +14,8 @@ class OverlayPass {
  public:
   // Draws settings.debug, one of DebugView::vertices, validity and vectors, into the bound framebuffer and its depth:
   // surfaces hide what lies behind them. Spheres that show light are white Lambert surfaces, in nits. Other colours are
-  // as bright as looks right after the exposure of settings.tone. Throws UsageError for vectors of a basis that stores
-  // none.
+  // as bright as looks right after the exposure of settings.tone. Throws ParameterError for vectors of a basis that
+  // stores none.
   void draw(const GridAsset& grid, const RuntimeCamera& camera, const ViewSettings& settings);
 
  private:

@@ -80,8 +80,7 @@ std::string lacks(const ViewSession& session, ViewMethod method) {
   const ViewAsset* asset = asset_for(session, method);
   if (asset == nullptr) return fmt::format("no asset that method {} reads was given", name_of(method));
   if (const auto* grid = std::get_if<GridAsset>(&asset->data);
-      grid != nullptr && session.settings.lookup.reconstruction == Reconstruction::paper &&
-      grid->gpu.basis != Basis::vectors)
+      grid != nullptr && !reads(session.settings.lookup.reconstruction, grid->gpu.basis))
     return fmt::format("--reconstruction paper needs a grid of basis vectors, {} has {}", asset->path,
                        name_of(grid->gpu.basis));
   if (method == ViewMethod::fiv && !session.fiv_tables) return "no FIV table was given";
@@ -102,7 +101,7 @@ std::string lacks(const ViewSession& session, DebugView view) {
 }
 
 void choose_method(ViewSession& session, std::size_t object, ViewMethod method) {
-  if (const std::string lack = lacks(session, method); !lack.empty()) throw UsageError(lack);
+  if (const std::string lack = lacks(session, method); !lack.empty()) throw ParameterError("method", lack);
   session.world.objects[object].light = {method, asset_for(session, method)};
 }
 
@@ -112,7 +111,7 @@ void place_lights_and_occluders(ViewSession& session) {
 }
 
 AmbientSource grid_source(const ViewAsset& asset, const ViewSettings& settings) {
-  return ambient(std::get<GridAsset>(asset.data).gpu, {settings.lookup, settings.guard});
+  return ambient(std::get<GridAsset>(asset.data).gpu, settings.lookup);
 }
 
 AmbientSource ambient_source(const ViewSession& session, std::size_t object) {

@@ -8,7 +8,7 @@
 
 namespace ivory {
 
-// Lights an object by a method, from the first asset that it can read. Throws UsageError where there is none.
+// Lights an object by a method, from the first asset that it can read. Throws ParameterError where there is none.
 void choose_method(ViewSession& session, std::size_t object, ViewMethod method);
 
 // What the method, or the debug view, lacks, for the user; empty for nothing.

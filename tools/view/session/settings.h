@@ -26,7 +26,7 @@ inline constexpr auto name_table<ViewMethod> = make_name_table<ViewMethod>("meth
                                                                             {ViewMethod::cubemap, "cubemap"},
                                                                             {ViewMethod::lobes, "lobes"}});
 inline constexpr auto all_view_methods = values_of<ViewMethod>();
-// "direct", what ivory render calls it, is grid. Throws UsageError for an unknown one.
+// "direct", what ivory render calls it, is grid. Throws ParameterError for an unknown one.
 ViewMethod view_method_from_name(std::string_view name);
 
 // What is shown instead of light, or on top of it.
@@ -67,7 +67,6 @@ struct ViewSettings {
   int shadow_size = 1024;
   Rgb constant_e_lux{1, 1, 1};
   LookupParams lookup;
-  Guard guard = Guard::planes;
   CubeMethod cube_method = CubeMethod::polygon;
   FivLightParams fiv;
   LobeLightParams lobes;

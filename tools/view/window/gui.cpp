@@ -99,9 +99,9 @@ void draw_light(ViewSession& session, GuiRequest& request) {
     ImGui::EndCombo();
   }
   changed = ImGui::DragFloat3("constant, lux", &s.constant_e_lux.x, 0.01F, 0, 1e6F) || changed;
-  bool planes = s.guard == Guard::planes;
+  bool planes = s.lookup.guard == Guard::planes;
   if (ImGui::Checkbox("leak guard by planes", &planes)) {
-    s.guard = planes ? Guard::planes : Guard::off;
+    s.lookup.guard = planes ? Guard::planes : Guard::off;
     changed = true;
   }
   bool cubic = s.lookup.interpolation == Interpolation::tricubic;

@@ -111,7 +111,7 @@ void Viewer::draw_picture() {
     if (dirty_ || target_->samples() < state_.samples) draw_points(dirty_ ? 1 : target_->samples() + 1);
     frame_->draw_display(*session_, *target_);
     failure_.clear();
-  } catch (const UsageError& error) {
+  } catch (const ParameterError& error) {
     // A view that lacks what it shows, after a resize or a removal.
     session_->settings.debug = DebugView::none;
     session_->settings.lookup.reconstruction = Reconstruction::optimal;

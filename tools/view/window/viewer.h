@@ -83,9 +83,7 @@ template <typename Action>
 void Viewer::attempt(const Action& action) {
   try {
     action();
-  } catch (const Error& error) {
-    say(error.what());
-  } catch (const UsageError& error) {
+  } catch (const std::runtime_error& error) {
     say(error.what());
   }
   for (const std::string& note : session_->notes) say(note);

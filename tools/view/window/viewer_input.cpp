@@ -86,7 +86,7 @@ void Viewer::press(const KeyEvent& e) {
       if (controls_.selected() > 0) remove(controls_.selected());
       return;
     case GLFW_KEY_G:
-      s.guard = s.guard == Guard::planes ? Guard::off : Guard::planes;
+      s.lookup.guard = s.lookup.guard == Guard::planes ? Guard::off : Guard::planes;
       break;
     case GLFW_KEY_C:
       s.lookup.interpolation =

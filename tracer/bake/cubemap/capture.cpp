@@ -30,7 +30,7 @@ Capture capture_cube(const LitScene& lit, const V3f& origin, const CaptureParams
   const int size = params.size;
   const std::size_t texels = std::size_t(cube_faces) * std::size_t(size) * std::size_t(size);
   check_memory("a capture of 6x" + std::to_string(size) + "x" + std::to_string(size) + " texels", double(texels) * 16,
-               "choose a smaller --capture");
+               "choose a smaller one");
   Capture capture;
   CapturedCube& cube = capture.cube;
   cube.origin_m = origin;

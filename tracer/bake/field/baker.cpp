@@ -29,7 +29,7 @@ constexpr std::uint64_t least_default_photons = 1'000'000;
 constexpr std::uint64_t scout_photons_a_vertex = 4;
 constexpr std::uint64_t photons_a_batch = 2048;  // about 10,000 segments: they stay in the second-level cache
 
-// "-1,0,2:3,4,5 ..." as --dynamic takes them; "none".
+// "-1,0,2:3,4,5 ..." as the command line takes them; "none".
 std::string text_of(const std::vector<Box3f>& boxes) {
   std::string text;
   for (const Box3f& b : boxes) {
@@ -99,21 +99,22 @@ GridFrame default_frame(const Scene& scene, const GridBakeParams& params) {
   if (params.resolution) {
     frame.size = *params.resolution;
     if (frame.size.x < 2 || frame.size.y < 2 || frame.size.z < 2)
-      throw UsageError("a grid needs at least 2 vertices along each axis");
+      throw ParameterError("resolution", "a grid needs at least 2 vertices along each axis");
     frame.spacing_m = extent / V3f(frame.size);
   } else {
     const float voxel = params.voxel_size_m.value_or(longest / default_long_side);
-    if (!(voxel > 0) || !std::isfinite(voxel)) throw UsageError("the voxel size must be a positive number of metres");
+    if (!(voxel > 0) || !std::isfinite(voxel))
+      throw ParameterError("voxel_size", "it must be a positive number of metres");
     for (unsigned axis = 0; axis < 3; ++axis) {
       // A hair less than one voxel over does not call for another layer of vertices.
       const double count = std::max(2.0, std::ceil(double(extent[axis]) / voxel - 1e-3));
-      if (count > 32768) throw UsageError("the voxel size is too small: over 32768 vertices along an axis");
+      if (count > 32768) throw ParameterError("voxel_size", "it is too small: over 32768 vertices along an axis");
       frame.size[axis] = static_cast<int>(count);
     }
     frame.spacing_m = V3f(voxel, voxel, voxel);
   }
   if (std::max({frame.size.x, frame.size.y, frame.size.z}) > 32768 || frame.vertex_count() > (std::size_t(1) << 31U))
-    throw UsageError("the grid has too many vertices to number; ask for a lower resolution");
+    throw ParameterError("resolution", "the grid has too many vertices to number; ask for fewer");
   frame.origin_m = middle - frame.direction_to_world((V3f(frame.size) - V3f(1, 1, 1)) * frame.spacing_m * 0.5F);
   return frame;
 }
@@ -131,13 +132,13 @@ int affordable_threads(const LitScene& lit, const GridFrame& frame, const GridBa
   throw Error(lit.scene->name,
               fmt::format("a grid of {}x{}x{} vertices needs {:.1f} GiB to bake and {:.1f} GiB may be used",
                           frame.size.x, frame.size.y, frame.size.z, (shared + own) / gib, limit / gib),
-              "ask for a lower --resolution, or for a part of the scene by --bounds");
+              "ask for fewer vertices, or for a part of the scene");
 }
 
 GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params) {
   const Scene& scene = *lit.scene;
   if (lit.lights.empty())
-    throw Error(scene.name, "nothing in it shines", "add a light or an emissive material, or give --env");
+    throw Error(scene.name, "nothing in it shines", "add a light, an emissive material or an environment");
   const GridFrame frame = params.frame ? *params.frame : default_frame(scene, params);
   const SumLayout layout = sum_layout(params.basis, params.estimator);
   const int threads = affordable_threads(lit, frame, params);
@@ -150,8 +151,8 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
   const std::uint64_t begin = range.first;  // Clang 14 does not capture structured bindings
   const std::uint64_t end = range.second;
   if (begin >= end || end > photons)
-    throw UsageError("the photon range must be A:B with A below B and B at most the " + std::to_string(photons) +
-                     " photons of the whole bake");
+    throw ParameterError("photon_range", "it must be A:B with A below B and B at most the " + std::to_string(photons) +
+                                             " photons of the whole bake");
 
   std::vector<std::uint64_t> masks = params.guard == Guard::off
                                          ? std::vector<std::uint64_t>(frame.vertex_count(), ~std::uint64_t(0))
@@ -162,14 +163,14 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
       if (!kept[v]) masks[v] = 0;
     }
   }
-  GridAccumulator result;
-  result.visible_fraction = visible_fractions(masks);
+  std::vector<float> visible_fraction = visible_fractions(masks);
+  std::vector<GuardRecord> guard;
   const PhotonTracer tracer(
       lit, {.max_bounces = params.max_bounces, .include_direct = params.include_direct, .seed = params.seed});
   if (params.guard != Guard::off) {
     const std::uint64_t scouts = std::min(photons, scout_photons_a_vertex * frame.vertex_count());
     const std::vector<bool> reached = lit_vertices(tracer, frame, masks, scouts);
-    result.guard = fit_guard(lit.intersector, frame, result.visible_fraction, reached);
+    guard = fit_guard(lit.intersector, frame, visible_fraction, reached);
   }
 
   DepositTarget target =
@@ -211,12 +212,10 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
     ledger += worker->ledger;
   }
 
-  result.frame = frame;
-  result.basis = params.basis;
+  GridAccumulator result = to_accumulator(target);
+  result.visible_fraction = std::move(visible_fraction);
+  result.guard = std::move(guard);
   result.light = params.include_direct ? StoredLight::direct_and_indirect : StoredLight::indirect;
-  result.estimator = params.estimator;
-  result.quantum = target.quantum;
-  result.quantum_squared = target.quantum_squared;
   result.photon_begin = begin;
   result.photon_end = end;
   result.counters = {{"ledger_emitted", ledger.emitted}, {"ledger_absorbed", ledger.absorbed},
@@ -224,8 +223,6 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
                      {"photons_traced", ledger.photons}, {"rays_traced", ledger.rays}};
   result.metadata = describe(scene, params, photons, layout);
   result.metadata["ledger_unit_lm"] = tracer.ledger_unit_lm();
-
-  result.sums = sums_by_vertex(target);
   return result;
 }
 

@@ -35,8 +35,8 @@ struct GridBakeParams {
 
 // Where the grid lies: it tiles `bounds`, or those of the scene along the grid's axes, exactly by `resolution` or,
 // about their centre, by cubic voxels. Flat sides get a twentieth of the longest. A turn by rotate_y_deg takes world +Z
-// towards +X. Throws Error for a scene without extent, and UsageError for a resolution or voxel size that is below 2
-// vertices an axis, not finite, or too fine to number the vertices.
+// towards +X. Throws Error for a scene without extent, and ParameterError for a resolution or voxel size that is below
+// 2 vertices an axis, not finite, or too fine to number the vertices.
 GridFrame default_frame(const Scene& scene, const GridBakeParams& params);
 
 // How many of params.threads (0: all) can bake that grid within params.max_memory_bytes: each needs sums of its own. At

@@ -28,14 +28,20 @@ DepositTarget make_deposit_target(const GridFrame& frame, Basis basis, Estimator
 
 int fine_bits(const Lights::PhotonPower& power) { return power.weakest_lm < 0x1p-6F * power.strongest_lm ? 12 : 0; }
 
-std::vector<std::int64_t> sums_by_vertex(const DepositTarget& target) {
+GridAccumulator to_accumulator(const DepositTarget& target) {
+  GridAccumulator out;
+  out.frame = target.frame;
+  out.basis = target.basis;
+  out.estimator = target.estimator;
+  out.quantum = target.quantum;
+  out.quantum_squared = target.quantum_squared;
   const auto lanes = std::size_t(target.layout.lanes());
   const auto slots = std::size_t(target.layout.slots);
-  std::vector<std::int64_t> out(target.sums.size());
+  out.sums.resize(target.sums.size());
   tbb::parallel_for(std::size_t(0), target.cell_masks.size(), [&](std::size_t v) {
     for (std::size_t slot = 0; slot < slots; ++slot)
       std::copy_n(target.sums.begin() + std::ptrdiff_t(target.lane_index(slot, v)), lanes,
-                  out.begin() + std::ptrdiff_t((v * slots + slot) * lanes));
+                  out.sums.begin() + std::ptrdiff_t((v * slots + slot) * lanes));
   });
   return out;
 }

@@ -43,8 +43,8 @@ DepositTarget make_deposit_target(const GridFrame& frame, Basis basis, Estimator
 // light: their deposits are 2^12 coarse units, and second moments 2^6.
 int fine_bits(const Lights::PhotonPower& power);
 
-// The sums as a GridAccumulator keeps them, [vertex][slot][lane].
-std::vector<std::int64_t> sums_by_vertex(const DepositTarget& target);
+// What a bake keeps of it: frame, basis, estimator, quanta and the sums by vertex. All else is left empty.
+GridAccumulator to_accumulator(const DepositTarget& target);
 
 // The part of a segment inside the grid's box, in index coordinates shifted by one half: vertex i's cell
 // is [i, i + 1).

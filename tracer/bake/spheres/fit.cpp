@@ -258,7 +258,7 @@ SphereFit fit_spheres(const Scene& scene, const SphereFitParams& params) {
     if (attempt + 1 == weights.size() || (!spheres.empty() && surface.uncovered < 0.4)) break;
   }
   if (spheres.empty())
-    throw Error(scene.name, "has parts too thin for spheres to cover", "thicken it, or ask for more --count");
+    throw Error(scene.name, "has parts too thin for spheres to cover", "thicken it, or ask for more spheres");
 
   measure_volumes(winding, mesh, spheres, fit.solid, fit.errors);
   fit.errors.surface_uncovered = surface.uncovered;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+// Own code: libigl, whose headers have one, is no package of Debian 12.
+
 namespace ivory {
 
 namespace {
