@@ -12,9 +12,9 @@ import pathlib
 import sys
 
 import make_scenes
-import shapes
-from gltf_writer import Gltf
-from shapes import Blocks, Piece
+from writer import shapes
+from writer.gltf import Gltf
+from writer.shapes import Blocks, Piece
 
 HEIGHT_M = 1.4
 SUNK_M = 0.018  # into the floor slab (2 cm), because the base of the mesh is uneven

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes what `ivory chart` measures cosine lobes on: the Stanford bunny under a ball of light.
+"""Writes what `ivory chart` measures cosine lobes on: the Stanford bunny under a spherical light.
 
 usage: make_lobes_scenes.py FOLDER [--bunny OBJ]
 
@@ -12,8 +12,8 @@ import pathlib
 import sys
 
 import make_bunny_room
-from gltf_writer import Gltf
-from shapes import Piece
+from writer.gltf import Gltf
+from writer.shapes import Piece
 
 LIGHT = {"center": (1.4, 3.2, 1.0), "radius": 0.45, "radiance": (20.0, 20.0, 20.0)}
 PLANE_M = 3.0  # half side

@@ -10,11 +10,10 @@ import pathlib
 import random
 import sys
 
-import cornell_spectra
-import shapes
-from files import write_file
-from gltf_writer import Gltf
-from shapes import Blocks, Piece
+from writer import cornell_spectra, shapes
+from writer.files import write_file
+from writer.gltf import Gltf
+from writer.shapes import Blocks, Piece
 
 PROBE_OFFSET_M = 0.001  # probe points float this far in front of their wall
 

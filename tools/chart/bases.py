@@ -6,10 +6,10 @@ import random
 
 import probes
 import tables
-from gltf_writer import Gltf
 from plot import slug
-from shapes import Piece
 from steps import File, Out, Point, Step
+from writer.gltf import Gltf
+from writer.shapes import Piece
 
 TITLE = "Directional bases"
 ABOUT = """First, light that is the same everywhere: the error is the basis' alone (RMS over normals and colours, divided by the mean E).

@@ -4,11 +4,11 @@ import pathlib
 import random
 
 import probes
-import shapes
 import tables
-from gltf_writer import Gltf
 from plot import slug
 from steps import File, Out, Point, Step
+from writer import shapes
+from writer.gltf import Gltf
 
 TITLE = "Objects near a point: localized cube maps"
 ABOUT = """E on a ball of 25 cm radius on its way to the wall of a coloured box, and at random points with random normals in free space of

@@ -2,12 +2,12 @@
 import pathlib
 import random
 
-import shapes
 import tables
-from gltf_writer import Gltf
 from grid import errors, path_tracing_seconds
 from plot import slug
 from steps import File, Out, Point, Step
+from writer import shapes
+from writer.gltf import Gltf
 
 TITLE = "Moving occluders: FIV tables"
 ABOUT = """First, planes beside and through one occluder, and several over one plane (`ivory bench fiv`): NRMSE of E against rays to every

@@ -4,7 +4,7 @@ import hashlib
 import json
 import os
 
-import gltf_file
+from writer import gltf_file
 
 FOLDER = os.path.dirname(os.path.abspath(__file__))
 

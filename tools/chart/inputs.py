@@ -1,15 +1,16 @@
 """Scenes, meshes and environments that the suites measure on: bundled, generated, or from sample data where that is at hand."""
 import functools
+import glob
 import os
 import subprocess
 import sys
 
-import gltf_file
-from files import write_file
-from gltf_writer import Gltf
 from hashing import digest, file_hash
 from process import Failure
 from steps import File
+from writer import gltf_file
+from writer.files import write_file
+from writer.gltf import Gltf
 
 
 def clamp(source, out):
@@ -81,7 +82,8 @@ class Inputs:
     def _script(self, script, outputs, *arguments):
         """The folder with the outputs of a script in scenes/, or None."""
         mesh = "/usr/share/glmark2/models/bunny.obj"
-        sources = [*arguments, *(file_hash(self.bundled(n)) for n in sorted(os.listdir(self.scenes)) if n.endswith(".py")),
+        scripts = sorted(glob.glob(os.path.join(self.scenes, "**", "*.py"), recursive=True))
+        sources = [*arguments, *map(file_hash, scripts),
                    file_hash(mesh) if os.path.exists(mesh) else "no mesh"]
 
         def make():
@@ -102,7 +104,7 @@ class Inputs:
         return tuple(os.path.join(folder, o) for o in outputs) if folder else None
 
     def bunny(self, name="bunny.glb"):
-        """bunny.glb alone, bunny_plane.glb, bunny_gloss.glb under a ball of light; or None."""
+        """bunny.glb alone, bunny_plane.glb, bunny_gloss.glb under a spherical light; or None."""
         folder = self._script("make_lobes_scenes.py", ("bunny.glb", "bunny_plane.glb", "bunny_gloss.glb"))
         return os.path.join(folder, name) if folder else None
 

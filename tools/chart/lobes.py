@@ -6,8 +6,8 @@ import make_lobes_scenes
 import tables
 from steps import File, Out, Point, Step
 
-TITLE = "Balls of light: cosine lobes"
-ABOUT = """The plane under the Stanford bunny and a ball of light, 320×240 pixels, one sample a pixel at the same places, one thread. Truth
+TITLE = "Spherical lights: cosine lobes"
+ABOUT = """The plane under the Stanford bunny and a spherical light, 320×240 pixels, one sample a pixel at the same places, one thread. Truth
 is Monte Carlo with many rays on the same spheres (the lobes' own error) or on the mesh (the sphere set's too); a quarter as many rays
 tell how far the truth itself may be off. Times are of rays and shading alone, tables and spheres read before, the least of three."""
 
@@ -134,8 +134,8 @@ def draw(records, figures):
                 (label, [row["angle_deg"] for row in rows], [100 * (row[key] - row["exact"]) / facing for row in rows], None)
                 for label, key in (("cosine lobes", "lobes"), ("spherical Gaussians, cosine as one", "gaussians"),
                                    ("spherical Gaussians, fitted irradiance", "gaussians_fitted"))]))
-        figures.sweep("lobes_gaussians", "One unshadowed ball of light on a matt surface: cosine lobes and spherical Gaussians",
-                      "Gaussians: the ball as the Gaussian of equal flux and width; its irradiance by the cosine as the widely used single Gaussian, and by Hill's fit.", panels, columns=2)
+        figures.sweep("lobes_gaussians", "One unshadowed spherical light on a matt surface: cosine lobes and spherical Gaussians",
+                      "Gaussians: the light as the Gaussian of equal flux and width; its irradiance by the cosine as the widely used single Gaussian, and by Hill's fit.", panels, columns=2)
 
 
 def page_tables(records):

@@ -3,7 +3,7 @@ import csv
 import math
 import random
 
-from files import write_file
+from writer.files import write_file
 
 
 def rows(path):

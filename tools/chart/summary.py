@@ -22,9 +22,9 @@ def indirect_rows(records):
             continue
         ratios = {h["panel"]: path_tracing_seconds([r for r in grids if r["panel"] == h["panel"]], h["nrmse"]) / h["time_s"] for h in here}
         indoors = [ratio for panel, ratio in ratios.items() if panel != OUTDOORS]
-        longer = f"path tracing to that error: × {span(indoors, lambda x: tables.number(x, 2))} in rooms"
+        longer = f"path tracing to that error takes {span(indoors, lambda x: tables.number(x, 2))} times as long in rooms"
         if OUTDOORS in ratios:
-            longer += f", × {tables.number(ratios[OUTDOORS], 2)} in the {OUTDOORS}"
+            longer += f", {tables.number(ratios[OUTDOORS], 2)} times in the {OUTDOORS}"
         found.append((f"indirect light of {len(here)} scenes from {method}", span([r["nrmse"] for r in here], tables.percent),
                       f"{span([r['time_s'] for r in here], tables.seconds)} for bake and picture of 240×180; {longer}"))
     return found

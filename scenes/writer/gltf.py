@@ -8,8 +8,8 @@ import base64
 import json
 import struct
 
-import gltf_file
-from files import write_file
+from writer import gltf_file
+from writer.files import write_file
 
 FLOAT, UINT16, INT16, INT8 = 5126, 5123, 5122, 5120
 ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
