@@ -102,6 +102,8 @@ TEST_F(Package, CommandsHaveManPagesAndCompletion) {
   const std::string prefix = path("prefix");
   ASSERT_EQ(shell(std::string("cmake --install ") + build_folder + " --component tools --prefix " + prefix), 0)
       << bytes_of(path("log"));
+  // It finds the module that reads images, too.
+  EXPECT_EQ(shell(prefix + "/bin/ivory info " + source_folder + "/docs/two_rooms.png"), 0) << bytes_of(path("log"));
   std::ofstream(path("complete.bash")) << "source " << prefix << "/share/bash-completion/completions/ivory\n"
                                        << "COMP_WORDS=(" << ivory_binary << " \"$@\" ''); COMP_CWORD=$(($# + 1))\n"
                                        << "_ivory; printf '%s\\n' \"${COMPREPLY[@]}\"\n";
