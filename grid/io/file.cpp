@@ -72,7 +72,8 @@ PendingFile::PendingFile(std::string path, bool force) : path_(std::move(path)) 
   if (fs::is_directory(target, unreadable)) throw Error(path_, "is a folder", "give a file name");
   if (fs::exists(target, unreadable) && !fs::is_regular_file(target, unreadable))
     throw Error(path_, "is not an ordinary file", "give another name");  // a device would be replaced by a file
-  if (!force && fs::exists(target, unreadable)) throw Error(path_, "already exists", "give another name, or ask to overwrite it");
+  if (!force && fs::exists(target, unreadable))
+    throw Error(path_, "already exists", "give another name, or ask to overwrite it");
   temporary_ = make_temporary(target);
   if (temporary_.empty()) throw Error(path_, "cannot be written", "check that its folder exists and is writable");
 }

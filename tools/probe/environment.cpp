@@ -1,5 +1,7 @@
 // ivory probe on SH9, DifMaps and environment maps themselves: an environment's irradiance for the points' normals,
 // unshadowed.
+#include "grid/io/environment.h"
+
 #include <algorithm>
 
 #include <tbb/parallel_for.h>
@@ -7,9 +9,8 @@
 #include "grid/base/error.h"
 #include "grid/env/irradiance_sum.h"
 #include "grid/io/difmap.h"
-#include "grid/io/environment.h"
 #include "grid/io/sh9.h"
-#include "tools/cli/file_kind.h"
+#include "tools/input/file_kind.h"
 #include "tools/probe/source.h"
 
 namespace ivory {

@@ -5,8 +5,8 @@
 
 #include "grid/base/error.h"
 #include "tools/cli/commands.h"
-#include "tools/cli/grid_input.h"
-#include "tools/cli/scene_input.h"
+#include "tools/input/grid.h"
+#include "tools/input/scene.h"
 #include "tools/view/headless.h"
 #include "tools/view/window/viewer.h"
 #include "tracer/image/file.h"
