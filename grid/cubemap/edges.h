@@ -18,7 +18,7 @@ struct CubeEdges {
   std::size_t steps() const { return jump.size(); }  // 12 size^2 + 5
 };
 
-CubeEdges make_cube_edges(const LocalizedCube& cube);
+CubeEdges make_cube_edges(const LocalizedCube& cube);  // of any cube without find_fault()
 
 // irradiance(cube, CubeMethod::polygon, p, n), n unit, with `edges` of that cube: equal but for rounding, and in a
 // shell of constant radiance L exactly pi L, also from where most of the shell is a point in the distance.

@@ -38,7 +38,7 @@ struct CubeFaceAxes {
   V3f right;
   V3f down;
 };
-const CubeFaceAxes& cube_face_axes(int face);
+const CubeFaceAxes& cube_face_axes(int face);  // 0 to 5, in the order above
 
 // A point of a face: s to the right, t down, each in [-1, 1], 0 in the middle.
 struct CubePosition {
@@ -57,7 +57,7 @@ CubePosition cube_position(const V3f& w);
 // s or t of the edge before texel i of `size`: i = 0 .. size gives -1 .. 1, exactly symmetric.
 inline double cube_edge(int size, int i) { return double(2 * i - size) / size; }
 
-inline std::size_t cube_index(int size, int face, int row, int column) {
+inline std::size_t cube_index(int size, int face, int row, int column) {  // into texels: face, row, column
   return (std::size_t(face) * std::size_t(size) + std::size_t(row)) * std::size_t(size) + std::size_t(column);
 }
 
@@ -77,7 +77,7 @@ struct CubeTaps {
   std::array<std::size_t, 4> texel;
   std::array<float, 4> weight;
 };
-CubeTaps cube_taps(int size, const V3f& w);
+CubeTaps cube_taps(int size, const V3f& w);  // w of any length
 
 // Bilinear and continuous over the whole sphere.
 Rgb bilinear(const CubeMap& map, const V3f& w);

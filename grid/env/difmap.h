@@ -16,9 +16,9 @@ struct DifMap {
 // GL_TEXTURE_CUBE_MAP_SEAMLESS reads.
 inline Rgb irradiance(const DifMap& map, const V3f& n) { return bilinear(map.e, n); }
 
-// How far the nine coefficients are from the full irradiance, over the map's texels as normals weighted by solid angle,
+// How far the nine coefficients are from `truth` (irradiance, lux) over its texels as normals, weighted by solid angle,
 // each channel as read (never negative) and
-//   relative to the light of the whole sphere, the integral of L, as Ramamoorthi & Hanrahan state it, or
+//   relative to the light of the whole sphere (total_radiance, nits sr), as Ramamoorthi & Hanrahan state it, or
 //   relative to the mean irradiance over all normals, a quarter of that.
 // The average runs over normals and the channels that hold light; the maximum over both.
 struct Sh9Error {

@@ -6,7 +6,7 @@
 
 namespace ivory {
 
-// max(a1.w,0)^e1 max(a2.w,0)^e2 over the sphere, alpha_rad the angle between the axes.
+// max(a1.w,0)^e1 max(a2.w,0)^e2 over the sphere; exponents from 0, alpha_rad (0 to pi) the angle between the axes.
 struct LobeProductMoments {
   double log_integral = 0;    // natural logarithm of the integral; -infinity where the supports do not meet
   double axis_angle_rad = 0;  // of the vector moment, from a1 towards a2

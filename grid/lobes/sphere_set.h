@@ -43,7 +43,7 @@ struct SphereGroups {
   std::vector<Sphere> spheres;
   std::vector<Group> groups;
 };
-SphereGroups make_sphere_groups(std::vector<Sphere> spheres);
+SphereGroups make_sphere_groups(std::vector<Sphere> spheres);  // any number, in any order
 
 // A cone of directions from a point: unit axis, cosine and sine of its half-angle, which is at most a right angle.
 struct Cone {

@@ -1,5 +1,5 @@
-// Cosine lobes in OpenGL: direct light of spherical lights on matt and glossy surfaces, with soft shadows from sphere
-// sets, without noise. shaders/lobes/light.glsl reads them.
+// Cosine lobes in OpenGL: direct light of spherical lights on Lambertian and glossy surfaces, with soft shadows from
+// sphere sets, without noise. shaders/lobes/light.glsl reads them.
 #pragma once
 
 #include <span>

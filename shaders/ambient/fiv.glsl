@@ -51,8 +51,8 @@ vec3 ivory_ambient(vec3 p, vec3 ng, vec3 n) {
       neglected += above && !found ? at_most : 0.0;
       ++i;
     }
-    IvoryFivShadow shadow = ivory_fiv_shadow_of(ivory_fiv_atlas, ivory_fiv_spheres, ivory_fiv_tables[which], q, height, n,
-                                                ivory_fiv_straddling, unshadowed);
+    IvoryFivShadow shadow = ivory_fiv_shadow_of(ivory_fiv_atlas, ivory_fiv_spheres, ivory_fiv_tables[which], q, height,
+                                                n, ivory_fiv_straddling, unshadowed);
     shadow.hidden = found ? shadow.hidden : vec3(0.0);
     shadow.luminance = found ? shadow.luminance : 0.0;
     ivory_fiv_add(shadows, shadow, unshadowed);

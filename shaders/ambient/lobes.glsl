@@ -36,6 +36,6 @@ vec3 ivory_ambient_radiance(IvorySurface s) {
 #else
 vec3 ivory_ambient(vec3 p, vec3 ng, vec3 n) {
   return ivory_lobe_light(ivory_lobes, ivory_lobe_scene, ivory_lobe_blocks, ivory_lobe_integrals, p, n,
-                          ivory_matt_lobes(n, vec3(1.0)));
+                          ivory_lambert_lobes(n, vec3(1.0)));
 }
 #endif

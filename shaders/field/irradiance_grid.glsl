@@ -190,7 +190,9 @@ IvorySeen ivory_visible_by_guard(IvoryGrid g, sampler3D trust, usampler3D guard,
   }
   return seen;
 }
-bool ivory_sees(IvorySeen seen, int e) { return (((e < 32 ? seen.entries.x : seen.entries.y) >> uint(e & 31)) & 1u) != 0u; }
+bool ivory_sees(IvorySeen seen, int e) {
+  return (((e < 32 ? seen.entries.x : seen.entries.y) >> uint(e & 31)) & 1u) != 0u;
+}
 
 // As guarded_footprint(): the values of the vertices that see the point. Most points are seen by all of theirs, whose
 // weights are then the filter's. The others take a loop over vertices, one fetch a volume each, which costs no more

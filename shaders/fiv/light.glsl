@@ -47,8 +47,8 @@ IvoryFivShadows ivory_fiv_no_shadows() {
 }
 
 // For a receiver at q (in bounding radii) over whose plane the centre stands `height` high, above -1.
-IvoryFivShadow ivory_fiv_shadow_of(sampler3D atlas, sampler2D spheres, IvoryFivTable table, vec3 q, float height, vec3 n,
-                                   int straddling, vec3 unshadowed) {
+IvoryFivShadow ivory_fiv_shadow_of(sampler3D atlas, sampler2D spheres, IvoryFivTable table, vec3 q, float height,
+                                   vec3 n, int straddling, vec3 unshadowed) {
   float r = length(q);
   // Wholly above the plane n.F says all.
   IvoryFivMoments moments = ivory_lookup(atlas, spheres, table, q, height < 1.0 && straddling == 0);

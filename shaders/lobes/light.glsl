@@ -38,18 +38,18 @@ struct IvoryLobeLights {
 };
 
 // The reflectance towards one direction times max(ns.wi, 0): colours times lobes of scale 1 at most. The first is the
-// matt one, of exponent 1; black where there is none.
+// Lambertian one, of exponent 1; black where there is none.
 struct IvoryReflectanceLobes {
   int count;
   IvoryLobe lobe[IVORY_MAX_LOBES];
   vec3 color[IVORY_MAX_LOBES];
 };
 
-// Does a matt surface see of a patch its vector moment alone? Well above the horizon it does.
+// Does a Lambertian surface see of a patch its vector moment alone? Well above the horizon it does.
 bool ivory_patch_is_above(float cosine, float spread) {
   return cosine > 0.0 && cosine * cosine >= 4.5 * spread * (2.0 - 2.0 * spread);
 }
-float ivory_matt_product(IvoryLobe f, float cosine, float height, float spread) {
+float ivory_lambert_product(IvoryLobe f, float cosine, float height, float spread) {
   return f.scale * cosine * 2.0 * ivory_pi * height * (1.0 - spread);
 }
 
@@ -57,7 +57,8 @@ float ivory_matt_product(IvoryLobe f, float cosine, float height, float spread) 
 float ivory_product_with_patch(IvoryLobeTable table, sampler3D integrals, IvoryLobe f, vec3 axis, float height,
                                float spread) {
   float cosine = dot(f.axis, axis);
-  if (f.exponent == 1.0 && ivory_patch_is_above(cosine, spread)) return ivory_matt_product(f, cosine, height, spread);
+  if (f.exponent == 1.0 && ivory_patch_is_above(cosine, spread))
+    return ivory_lambert_product(f, cosine, height, spread);
   return ivory_lobe_product_integral(table, integrals, f, ivory_spread_lobe(axis, height, spread));
 }
 
@@ -145,17 +146,17 @@ vec3 ivory_lobe_light(IvoryLobeLights lobes, samplerBuffer scene, samplerBuffer 
     IvoryMaskLeaves leaves = ivory_mask_leaves(rows, level);
     IvoryLeafWalk walk = ivory_begin_leaves(leaves);
     float lit_height = 0.0;
-    bool at_horizon = false;  // is any leaf? Then the matt lobe needs its table, and a second walk.
+    bool at_horizon = false;  // is any leaf? Then the Lambertian lobe needs its table, and a second walk.
     do {
       IvoryMaskLeaf leaf = ivory_next_leaf(walk, leaves, blocks, cap);
       lit_height += leaf.lit ? leaf.height : 0.0;
       float cosine = dot(r.lobe[0].axis, leaf.axis);
       at_horizon = at_horizon || !ivory_patch_is_above(cosine, leaf.spread);
-      float matt = cosine >= least_cosine[leaf.level]
-                       ? ivory_matt_product(r.lobe[0], cosine, leaf.height, leaf.spread)
-                       : 0.0;
-      lit[0] += leaf.lit ? matt : 0.0;
-      dark[0] += leaf.lit ? 0.0 : matt;
+      float diffuse = cosine >= least_cosine[leaf.level]
+                          ? ivory_lambert_product(r.lobe[0], cosine, leaf.height, leaf.spread)
+                          : 0.0;
+      lit[0] += leaf.lit ? diffuse : 0.0;
+      dark[0] += leaf.lit ? 0.0 : diffuse;
       for (int k = 1; k < IVORY_MAX_LOBES; ++k) {
         if (dot(r.lobe[k].axis, leaf.axis) >= least_cosine[k * (IVORY_LEAF_DEPTH + 1) + leaf.level]) {
           float product =
@@ -185,7 +186,8 @@ vec3 ivory_lobe_light(IvoryLobeLights lobes, samplerBuffer scene, samplerBuffer 
     for (int k = 0; k < IVORY_MAX_LOBES; ++k) {
       float all = lit[k] + dark[k];
       // A threshold so high that nothing is left: by solid angle.
-      float part = all > 0.0 ? (split[k] > 0 ? lit[k] : whole[k] * (lit[k] / all)) : whole[k] * (lit_height / cap.height);
+      float part = all > 0.0 ? (split[k] > 0 ? lit[k] : whole[k] * (lit[k] / all))
+                             : whole[k] * (lit_height / cap.height);
       if (k < r.count && whole[k] > 0.0) reflected += r.color[k] * part;
     }
     if (lights) radiance += texelFetch(scene, 2 * light_index + 1).rgb * reflected;
@@ -193,8 +195,8 @@ vec3 ivory_lobe_light(IvoryLobeLights lobes, samplerBuffer scene, samplerBuffer 
   return radiance;
 }
 
-// The lobes of a matt surface: E = pi L for f = 1/pi, so that a colour of 1 gives E.
-IvoryReflectanceLobes ivory_matt_lobes(vec3 ns, vec3 color) {
+// The lobes of a Lambertian surface: E = pi L for f = 1/pi, so that a colour of 1 gives E.
+IvoryReflectanceLobes ivory_lambert_lobes(vec3 ns, vec3 color) {
   IvoryReflectanceLobes r;
   r.count = 1;
   for (int k = 0; k < IVORY_MAX_LOBES; ++k) {
@@ -229,7 +231,7 @@ float ivory_phong_exponent(float roughness_alpha) {
 IvoryReflectanceLobes ivory_phong_lobes(IvoryLobeTable table, sampler3D products, vec3 ns, vec3 wo, vec3 diffuse_albedo,
                                         vec3 ks, float roughness_alpha) {
   float largest = max(ks.x, max(ks.y, ks.z));
-  IvoryReflectanceLobes r = ivory_matt_lobes(ns, diffuse_albedo * (max(0.0, 1.0 - largest) / ivory_pi));
+  IvoryReflectanceLobes r = ivory_lambert_lobes(ns, diffuse_albedo * (max(0.0, 1.0 - largest) / ivory_pi));
   float exponent = ivory_phong_exponent(roughness_alpha);
   vec3 mirror = normalize(ns * (2.0 * dot(ns, wo)) - wo);
   ivory_add_glossy_lobe(r, table, products, ns, mirror, exponent, ks * ((exponent + 2.0) / (2.0 * ivory_pi)));

@@ -215,7 +215,8 @@ IvoryMaskLeaf ivory_make_leaf(samplerBuffer blocks, int block, IvoryLightCap cap
   return IvoryMaskLeaf(axis, 4.0 * t2 * b.z * bracket / (2.0 * ivory_pi), 2.0 * t2 * b.w * bracket, level, lit);
 }
 
-IvoryMaskLeaf ivory_next_leaf(inout IvoryLeafWalk walk, IvoryMaskLeaves leaves, samplerBuffer blocks, IvoryLightCap cap) {
+IvoryMaskLeaf ivory_next_leaf(inout IvoryLeafWalk walk, IvoryMaskLeaves leaves, samplerBuffer blocks,
+                              IvoryLightCap cap) {
   if (walk.bits == 0u) {
     uint first = walk.rows & (~walk.rows + 1u);
     walk.rows ^= first;

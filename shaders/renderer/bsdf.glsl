@@ -46,7 +46,8 @@ vec3 ivory_eval_bsdf(IvorySurface s, vec3 wi) {
     float a2 = s.alpha * s.alpha;
     float d = cos_h * cos_h + dot(across, across) / a2;
     float ggx = 1.0 / (ivory_pi * a2 * d * d);
-    value += f * (ggx / (4.0 * cos_o * (1.0 + ivory_smith_lambda(s.alpha, cos_o) + ivory_smith_lambda(s.alpha, cos_i))));
+    value +=
+        f * (ggx / (4.0 * cos_o * (1.0 + ivory_smith_lambda(s.alpha, cos_o) + ivory_smith_lambda(s.alpha, cos_i))));
   }
   return value;
 }

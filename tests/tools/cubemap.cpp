@@ -117,7 +117,7 @@ TEST_F(CubemapCommand, ObjectsAreFilesOrNodes) {
   run("render " + knot + " --size 24x18 --samples 4 --object " + object + "@0,2,0 -o " + path("c.exr"));
 }
 
-// A ball of light goes where its node goes.
+// A spherical light goes where its node goes.
 TEST_F(CubemapCommand, LeavesBallsOfLightOutWithTheirNode) {
   GltfBuilder gltf;
   const int floor =

@@ -8,8 +8,8 @@
 #include "grid/base/error.h"
 #include "grid/io/vdb/vdb.h"
 #include "tests/support/io_random.h"
-#include "tools/cli/trial.h"
-#include "tools/cli/vdb_input.h"
+#include "tools/input/trial.h"
+#include "tools/input/vdb.h"
 
 namespace ivory {
 namespace {

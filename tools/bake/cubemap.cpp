@@ -14,9 +14,9 @@
 #include "grid/io/json.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
-#include "tools/cli/dynamic_objects.h"
-#include "tools/cli/grid_input.h"
-#include "tools/cli/scene_input.h"
+#include "tools/input/grid.h"
+#include "tools/input/objects.h"
+#include "tools/input/scene.h"
 #include "tracer/bake/cubemap/capture.h"
 
 namespace ivory {

@@ -17,8 +17,8 @@
 #include "grid/io/json.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
-#include "tools/cli/environment_input.h"
-#include "tools/cli/scene_input.h"
+#include "tools/input/environment.h"
+#include "tools/input/scene.h"
 #include "tracer/bake/fiv/baker.h"
 #include "tracer/gltf/loader.h"
 

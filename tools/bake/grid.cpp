@@ -8,7 +8,7 @@
 #include "tools/bake/grid_result.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
-#include "tools/cli/scene_input.h"
+#include "tools/input/scene.h"
 #include "tracer/bake/field/baker.h"
 
 namespace ivory {

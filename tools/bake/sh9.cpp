@@ -11,7 +11,7 @@
 #include "grid/env/irradiance.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
-#include "tools/cli/environment_input.h"
+#include "tools/input/environment.h"
 
 namespace ivory {
 

@@ -11,7 +11,7 @@
 #include "grid/io/sphere_set.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
-#include "tools/cli/scene_input.h"
+#include "tools/input/scene.h"
 #include "tracer/bake/spheres/fit.h"
 #include "tracer/gltf/loader.h"
 

@@ -12,7 +12,7 @@
 #include "grid/io/environment.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
-#include "tools/cli/environment_input.h"
+#include "tools/input/environment.h"
 #include "tools/stability/measure_fiv.h"
 #include "tracer/gltf/loader.h"
 

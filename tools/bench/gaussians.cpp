@@ -1,4 +1,4 @@
-// ivory bench gaussians: one ball of light on a matt surface by cosine lobes and by spherical Gaussians, against the
+// ivory bench gaussians: one spherical light on a matt surface by cosine lobes and by spherical Gaussians, against the
 // exact integral.
 #include "tools/stability/gaussians.h"
 
@@ -49,7 +49,7 @@ void run(const CommonOptions& common) {
 
 void add_bench_gaussians_command(Command bench, CommonOptions& common) {
   Command command = bench.add_subcommand("gaussians",
-                                         "An unshadowed ball of light on a matt surface by cosine lobes and by "
+                                         "An unshadowed spherical light on a matt surface by cosine lobes and by "
                                          "spherical Gaussians, against the integral.");
   command.footer(
       "The ball as the Gaussian of its flux and mean cosine; its irradiance by a single Gaussian for the cosine\n"

@@ -22,7 +22,7 @@
 #include "tools/bench/runtime_assets.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
-#include "tools/cli/environment_input.h"
+#include "tools/input/environment.h"
 #include "tracer/bake/fiv/baker.h"
 #include "tracer/gltf/loader.h"
 

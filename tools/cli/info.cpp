@@ -14,9 +14,9 @@
 #include "grid/io/sphere_set.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
-#include "tools/cli/file_kind.h"
-#include "tools/cli/scene_input.h"
-#include "tools/cli/vdb_input.h"
+#include "tools/input/file_kind.h"
+#include "tools/input/scene.h"
+#include "tools/input/vdb.h"
 
 namespace ivory {
 

@@ -10,7 +10,7 @@
 #include "grid/env/irradiance_sum.h"
 #include "grid/io/difmap.h"
 #include "grid/io/sh9.h"
-#include "tools/cli/file_kind.h"
+#include "tools/input/file_kind.h"
 #include "tools/probe/source.h"
 
 namespace ivory {

@@ -1,4 +1,6 @@
 // ivory probe GRID.vdb: irradiance read from a grid.
+#include "tools/input/grid.h"
+
 #include <algorithm>
 #include <memory>
 #include <optional>
@@ -8,9 +10,8 @@
 
 #include "grid/base/error.h"
 #include "grid/io/file.h"
-#include "tools/cli/grid_input.h"
-#include "tools/cli/scene_input.h"
-#include "tools/cli/vdb_input.h"
+#include "tools/input/scene.h"
+#include "tools/input/vdb.h"
 #include "tools/probe/source.h"
 #include "tracer/render/guard_rays.h"
 

@@ -9,7 +9,7 @@
 #include "grid/io/json.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
-#include "tools/cli/points_csv.h"
+#include "tools/input/points.h"
 #include "tools/probe/source.h"
 
 namespace ivory {

@@ -1,8 +1,9 @@
 // ivory probe SCENE: irradiance by path tracing, the truth.
+#include "tools/input/scene.h"
+
 #include <memory>
 
 #include "grid/base/error.h"
-#include "tools/cli/scene_input.h"
 #include "tools/probe/source.h"
 #include "tracer/render/probe.h"
 

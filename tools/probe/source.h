@@ -8,7 +8,7 @@
 
 #include "grid/base/metadata.h"
 #include "tools/cli/common.h"
-#include "tools/cli/points_csv.h"
+#include "tools/input/points.h"
 
 namespace ivory {
 

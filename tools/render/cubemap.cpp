@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
-#include "tools/cli/grid_input.h"
+#include "tools/input/grid.h"
 #include "tools/render/method.h"
 #include "tracer/render/object_light.h"
 

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
-#include "tools/cli/ambient_input.h"
-#include "tools/cli/dynamic_objects.h"
+#include "tools/input/ambient.h"
+#include "tools/input/objects.h"
 #include "tools/render/method.h"
 #include "tracer/bake/fiv/occluder.h"
 #include "tracer/render/fiv.h"

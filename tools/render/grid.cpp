@@ -1,10 +1,11 @@
 // ivory render --method direct | gather: indirect light from a baked grid.
+#include "tools/input/grid.h"
+
 #include <memory>
 
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
-#include "tools/cli/grid_input.h"
 #include "tools/render/method.h"
 #include "tracer/render/final_gather.h"
 

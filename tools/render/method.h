@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "grid/base/metadata.h"
-#include "tools/cli/scene_input.h"
+#include "tools/input/scene.h"
 #include "tracer/core/film.h"
 #include "tracer/render/render.h"
 

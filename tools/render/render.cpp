@@ -16,9 +16,9 @@
 #include "grid/io/json.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
-#include "tools/cli/dynamic_objects.h"
-#include "tools/cli/grid_input.h"
-#include "tools/cli/scene_input.h"
+#include "tools/input/grid.h"
+#include "tools/input/objects.h"
+#include "tools/input/scene.h"
 #include "tools/render/method.h"
 #include "tracer/image/file.h"
 #include "tracer/lights/sphere.h"
@@ -208,7 +208,7 @@ void add_render_command(Command app, CommonOptions& common) {
             options->sphere_lights.push_back(parse_sphere_light("--sphere-light", text));
             options->sphere_light_texts.push_back(text);
           },
-          "Adds a ball of light: place and radius in metres, radiance in nits; may be repeated")
+          "Adds a spherical light: place and radius in metres, radiance in nits; may be repeated")
       .repeated()
       .type_name("X,Y,Z,RADIUS,R,G,B");
   auto methods = std::make_shared<std::vector<RenderMethod>>();

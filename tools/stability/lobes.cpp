@@ -53,7 +53,7 @@ std::vector<StabilityPoint> lobe_exponents(const StabilityParams& params) {
   return points;
 }
 
-// A matt surface, a lobe of exponent 1, under a ball of light of half-angle 20 degrees that sinks below its horizon.
+// A matt surface, a lobe of exponent 1, under a spherical light of half-angle 20 degrees that sinks below its horizon.
 std::vector<StabilityPoint> lobe_horizon(const StabilityParams&) {
   const LobeTable table = make_lobe_table();
   const double half_angle = 20 * pi_d / 180;

@@ -5,8 +5,8 @@
 
 #include "grid/base/error.h"
 #include "tools/cli/commands.h"
-#include "tools/cli/grid_input.h"
-#include "tools/cli/scene_input.h"
+#include "tools/input/grid.h"
+#include "tools/input/scene.h"
 #include "tools/view/headless.h"
 #include "tools/view/window/viewer.h"
 #include "tracer/image/file.h"
@@ -120,7 +120,7 @@ void add_light_options(Command app, ViewCommand& command) {
          [&command](const std::string& text) {
            command.run.input.sphere_lights.push_back(parse_sphere_light("--sphere-light", text));
          },
-         "Adds a ball of light for method lobes: place and radius in metres, radiance in nits; may be repeated")
+         "Adds a spherical light for method lobes: centre and radius in metres, radiance in nits; may be repeated")
       .repeated()
       .type_name("X,Y,Z,RADIUS,R,G,B")
       .group(group);
@@ -154,8 +154,7 @@ void add_light_options(Command app, ViewCommand& command) {
                  "A light wider than a highlight is taken as up to 4^SPLIT lobes")
       .within(0, max_mask_depth)
       .group(group);
-  app.add_flag("--indirect-only", command.indirect_only, "Leave out the lights' own light, and what shines")
-      .group(group);
+  app.add_flag("--indirect-only", command.indirect_only, "Leave out direct light and emission").group(group);
   app.add_option("--shadow-size", command.run.settings.shadow_size, "Texels a side of shadow maps")
       .within(16, 8192)
       .group(group);

@@ -7,14 +7,14 @@
 
 namespace ivory {
 
-// A camera and an image size, ready to make rays.
+// A camera and an image size, ready to make rays. World space.
 struct View {
   V3f origin;
-  V3f right;    // from the image's centre to its right edge, at unit distance (or in metres)
-  V3f up;       // from its centre to its top edge
+  V3f right;    // from the image's centre to its right edge, at unit distance; orthographic: in metres
+  V3f up;       // from its centre to its top edge, likewise
   V3f forward;  // unit
   bool perspective = true;
-  int width = 1;
+  int width = 1;  // pixels
   int height = 1;
 };
 
@@ -25,7 +25,8 @@ View make_view(const std::string& file, const Camera& camera, int width, int hei
 // The scene's camera of that index ("0") or name. Throws ParameterError where there is none.
 const Camera& find_camera(const Scene& scene, const std::string& index_or_name);
 
-// A camera that sees the whole sphere from the front, a little from above and the right.
+// A perspective camera that sees the whole sphere (world, metres) from the front, a little from above and the right.
+// `aspect` is the image's width over its height.
 Camera framing_camera(const V3f& center, float radius_m, float aspect);
 
 // Ray through `pixel`: continuous, x from 0 (left) to width, y from 0 (top) to height. An eye ray:

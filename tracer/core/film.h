@@ -17,8 +17,9 @@ struct Film {
   const Rgb& at(int x, int y) const { return pixels[std::size_t(y) * std::size_t(width) + std::size_t(x)]; }
 };
 
-// Exposure in stops that brings the logarithmic mean of the lit pixels' luminance to middle grey (0.18), or,
-// where that is less, their ninth decile to white (1): a dark background is not to wash out what stands before it.
+// Exposure in stops that brings the logarithmic mean of the lit pixels' luminance to middle grey (0.18), or, where that
+// is less, their ninth decile to white (1): a dark background must not wash out what stands before it. 0 for a black
+// film.
 float auto_exposure(const Film& film);
 
 // Linear light to display light (0 to 1, still linear): the Khronos PBR Neutral tone mapper, which

@@ -35,16 +35,18 @@ struct Hit {
 // is resolved during traversal. All queries are thread-safe.
 class Intersector {
  public:
+  // Throws Error (naming the scene) where Embree cannot build it, for want of memory above all.
   explicit Intersector(const Scene& scene);
   ~Intersector();
   Intersector(Intersector&&) noexcept;
   Intersector& operator=(Intersector&&) noexcept;
 
   const Scene& scene() const;
-  // Does any surface have MASK or BLEND coverage? Only then do rays need a coverage seed.
+  // Can any surface be passed through (MASK, BLEND, transmission)? Only then do rays need a coverage seed.
   bool has_coverage() const;
 
-  // First surface along the ray, BLEND surfaces being there with probability alpha.
+  // First surface along the ray between t_min and t_max; none where there is none. BLEND surfaces are there with
+  // probability alpha, as ray.coverage_seed decides.
   std::optional<Hit> closest(const Ray& ray) const;
 
   // Fraction of light that passes along the ray between t_min and t_max: 0 or 1 but for BLEND
@@ -59,11 +61,12 @@ class Intersector {
   // infinity for none. BLEND surfaces with alpha below one half are not there. For rays side by side.
   std::array<float, 8> distances(const std::array<V3f, 8>& origins, int count, const V3f& direction) const;
 
-  // Bare Embree closest-hit queries on `rays`, one by one, nothing made of the hits: the rate that
-  // everything else is measured against. Returns how many rays hit.
+  // How many of the rays hit something: Embree's closest-hit queries one by one, nothing made of the hits. The rate
+  // that everything else is measured against.
   std::uint64_t count_hits(std::span<const Ray> rays) const;
 
-  // Sphere around everything: centre and radius (m), never zero for a scene with triangles.
+  // Sphere around everything, world: centre and radius in metres. The radius is above 0 for a scene with triangles, and
+  // 0 for one without.
   V3f center() const;
   float radius_m() const;
 
@@ -72,9 +75,9 @@ class Intersector {
   std::unique_ptr<State> state_;
 };
 
-// p moved off its surface along unit ng, to the side of w, by a distance that stays above the
-// rounding error of p at any scale: rays from there do not meet the surface they left. reach_m is the largest
-// coordinate of the corners of the triangle that p lies on (Surface::reach_m), 0 where it is not known.
+// p moved off its surface along its unit normal ng, to the side of w, by a distance that stays above the rounding error
+// of p at any scale: rays from there do not meet the surface they left. reach_m is triangle_reach_m() of the triangle
+// that p lies on, 0 where it is not known.
 V3f offset_origin(const V3f& p, const V3f& ng, const V3f& w, float reach_m = 0);
 
 }  // namespace ivory

@@ -1,6 +1,6 @@
 // Points that fill the unit square evenly, any power of two of them, and yet are random enough for
 // unbiased estimates: Sobol' points with hashed Owen scrambling (Burley, "Practical Hash-based Owen
-// Scrambling", JCGT 9(4), 2020).
+// Scrambling", JCGT 9(4), 2020). Own code: no library of Debian's has them.
 #pragma once
 
 #include <array>

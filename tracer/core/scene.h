@@ -1,5 +1,5 @@
 // The scene as plain data: arrays and integer handles, in glTF's own units and conventions.
-// Filled by load_gltf() (gltf_loader.h) or by hand in tests; read by everything that traces.
+// Filled by load_gltf() (tracer/gltf/loader.h) or by hand; read by everything that traces.
 #pragma once
 
 #include <array>
@@ -99,10 +99,9 @@ inline constexpr TextureUse Material::*texture_slots[] = {
     &Material::specular_color_texture, &Material::transmission_texture,       &Material::emission_texture,
     &Material::normal_texture};
 
-// Does light pass through some of it: is coverage_at() (surface.h) below 1 anywhere?
+// May light pass through some of it: can coverage_at() (tracer/core/surface.h) be below 1?
 bool has_coverage(const Material& material);
-// Does KHR_materials_transmission let light through? Light that glass emits is not dimmed by its transmission, as
-// coverage would do.
+// Does it let light through by KHR_materials_transmission? Materials that emit do not.
 bool transmits(const Material& material);
 
 // One glTF primitive as triangles. All arrays but positions and triangles may be empty; those
@@ -159,10 +158,10 @@ struct DirectionalLight {
 };
 using PunctualLight = std::variant<PointLight, SpotLight, DirectionalLight>;
 
-// A ball that emits the same radiance everywhere and in all directions. Rays meet it as a mesh: see
-// add_sphere_light() (sphere_light.h).
+// A sphere that emits the same radiance everywhere and in all directions. Rays meet it as a mesh: see
+// add_sphere_light() (tracer/lights/sphere.h).
 struct SphereLight {
-  V3f center;
+  V3f center;  // world
   float radius_m = 0;
   Rgb radiance_nits;
   int instance = no_index;  // of that mesh
@@ -183,7 +182,7 @@ struct Scene {
   std::string content_hash;  // of the file and everything it refers to, hexadecimal
 };
 
-// World bounds of all instances; empty for a scene without triangles.
+// World bounds of all instances in metres; an empty box for a scene without triangles.
 Box3f bounds(const Scene& scene);
 
 }  // namespace ivory

@@ -10,8 +10,8 @@ namespace ivory {
 // no texture. uv beyond 8 million texels are clamped.
 V4f sample(const Scene& scene, const TextureUse& use, const V2f& uv, bool srgb);
 
-// The uv of `use` at barycentric b of a triangle, its uv_transform applied; {0,0} where the mesh
-// lacks the set, which load_gltf() never leaves so.
+// The uv of `use` at a barycentric of the mesh's triangle, its uv_transform applied; {0, 0} where the mesh lacks the
+// set, as no mesh that load_gltf() returns does.
 V2f uv_at(const Mesh& mesh, int triangle, const V2f& barycentric, const TextureUse& use);
 
 }  // namespace ivory

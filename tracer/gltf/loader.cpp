@@ -8,7 +8,7 @@
 #include "tracer/gltf/materials.h"
 #include "tracer/gltf/meshes.h"
 #include "tracer/gltf/nodes.h"
-#include "tracer/gltf/schema.h"
+#include "tracer/gltf/schema/check.h"
 
 namespace ivory {
 namespace {

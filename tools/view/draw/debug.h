@@ -7,8 +7,8 @@
 
 namespace ivory {
 
-// GLSL for FrameParams::output_shader that shows the view; empty for views that are not painted on surfaces. Those of a
-// grid (needs_grid()) take it from the items' ambient source, which is to be the grid's, whatever lights them
+// GLSL for FrameParams::output_shader that shows the view; empty for views that are not painted on surfaces. Views of a
+// grid (needs_grid()) read it through the items' ambient source: give all items the grid's, whatever lights them
 // otherwise.
 std::string surface_debug_shader(DebugView view);
 

@@ -12,17 +12,18 @@
 
 namespace ivory {
 
-// Place of point i within a pixel, minus its middle: 0 for the first, then evenly spread at every number of points.
+// Place of point i (from 0) within a pixel, less its middle, in pixels: each coordinate in [-1/2, 1/2), (0, 0) for the
+// first. However many are taken, they are spread evenly.
 V2f pixel_point(int i);
 
 class ViewFrame {
  public:
-  // One point of each pixel, at `shift` from its middle, added to the target's mean. Throws ParameterError where the
-  // debug view lacks a grid or reference, Error as the runtime does. Notes of the session say which lights cast no
-  // shadow.
+  // One point of each pixel, at `shift` (pixels) from its middle, added to the target's mean. Throws ParameterError
+  // where the debug view lacks a grid or reference, Error as the runtime does. Notes of the session say which lights
+  // cast no shadow.
   void draw_point(ViewSession& session, ViewTarget& target, const V2f& shift);
 
-  // From the target's mean to its display picture: tone-mapped, or in false colours over range().
+  // From the target's mean to its display picture: tone-mapped, or in false colours over color_range().
   void draw_display(const ViewSession& session, ViewTarget& target);
 
   // The false colours' range now: the user's, or found from the target's mean (which stalls until it is drawn).

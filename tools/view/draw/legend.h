@@ -9,7 +9,7 @@ struct ImDrawList;
 
 namespace ivory {
 
-// The colours with their numbers, at the lower left of a picture of that height.
+// The colours with their numbers and a title, at the lower left of a picture of that height in pixels.
 void draw_legend(ImDrawList& list, const ColorRange& range, const std::string& title, int height);
 
 // ImGui without a window, for pictures that carry a legend.

@@ -7,14 +7,14 @@
 
 namespace ivory {
 
-// Every so many vertices per axis that at most some 20,000 show.
+// The smallest step of which every step-th vertex along each axis makes at most 20,000.
 int automatic_vertex_step(const GridFrame& frame);
 
 class OverlayPass {
  public:
-  // Draws DebugView::vertices, validity or vectors into the bound framebuffer, against its depth, which stays as
-  // the surfaces left it for what is hidden. Spheres are lit as white Lambert surfaces, in nits; colours that are not
-  // light are made to look as they are named after `tone`'s exposure. Throws ParameterError for vectors of a basis that
+  // Draws settings.debug, one of DebugView::vertices, validity and vectors, into the bound framebuffer and its depth:
+  // surfaces hide what lies behind them. Spheres that show light are white Lambert surfaces, in nits. Other colours are
+  // as bright as looks right after the exposure of settings.tone. Throws ParameterError for vectors of a basis that
   // stores none.
   void draw(const GridAsset& grid, const RuntimeCamera& camera, const ViewSettings& settings);
 

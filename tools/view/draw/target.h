@@ -9,12 +9,12 @@ namespace ivory {
 
 class ViewTarget {
  public:
-  // Throws Error where OpenGL has no room for it.
+  // Pixels. Needs a current context. Throws Error where OpenGL has no room for it, or cannot draw into floats.
   ViewTarget(int width, int height);
 
   int width() const { return width_; }
   int height() const { return height_; }
-  std::size_t bytes() const;
+  std::size_t bytes() const;  // on the GPU
 
   // Draw one point of each pixel between the two: begin() binds the framebuffer (RGBA32F and depth), sets the viewport
   // and clears to black, alpha 0; add() puts the result into the mean. reset() starts a new mean.
@@ -25,11 +25,11 @@ class ViewTarget {
 
   // The mean of what was added: radiance in nits, or whatever was drawn; alpha is the share of the pixel covered.
   const gl::Texture& mean() const { return mean_; }
-  Film read_mean() const;
+  Film read_mean() const;  // without alpha; waits until it is drawn
 
   // Binds the framebuffer that display passes draw into, of the same size.
   void begin_display();
-  DisplayImage read_display() const;
+  DisplayImage read_display() const;  // waits until it is drawn
   // Copies the display picture to the bound window framebuffer's lower left corner.
   void show() const;
 

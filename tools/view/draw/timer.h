@@ -9,6 +9,7 @@ namespace ivory {
 
 class GpuTimer {
  public:
+  // Around a frame's calls. Times are only taken while fewer than four frames are under way.
   void begin();
   void end();
   // Of the latest frame whose time is known; 0 before the first.

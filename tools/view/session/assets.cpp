@@ -10,7 +10,7 @@
 #include "grid/io/fiv.h"
 #include "grid/io/sh9.h"
 #include "grid/io/sphere_set.h"
-#include "tools/cli/vdb_input.h"
+#include "tools/input/vdb.h"
 
 namespace ivory {
 

@@ -13,7 +13,7 @@
 #include "runtime/assets/irradiance_grid.h"
 #include "runtime/assets/lobes.h"
 #include "runtime/assets/sh9.h"
-#include "tools/cli/file_kind.h"
+#include "tools/input/file_kind.h"
 
 namespace ivory {
 

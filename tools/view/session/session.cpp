@@ -8,7 +8,7 @@
 
 #include "grid/base/error.h"
 #include "grid/env/irradiance.h"
-#include "tools/cli/dynamic_objects.h"
+#include "tools/input/objects.h"
 #include "tools/view/session/occluders.h"
 #include "tracer/core/camera.h"
 #include "tracer/gltf/loader.h"

@@ -9,7 +9,7 @@
 
 #include "runtime/assets/fiv.h"
 #include "tools/cli/common.h"
-#include "tools/cli/environment_input.h"
+#include "tools/input/environment.h"
 #include "tools/view/session/assets.h"
 #include "tools/view/session/settings.h"
 #include "tools/view/world/world.h"

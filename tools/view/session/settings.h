@@ -63,7 +63,7 @@ bool is_number(DebugView view);
 bool is_signed(DebugView view);
 
 struct ViewSettings {
-  bool direct = true;  // and what shines by itself, and the environment behind
+  bool direct = true;  // and emission, and the environment behind
   int shadow_size = 1024;
   Rgb constant_e_lux{1, 1, 1};
   LookupParams lookup;

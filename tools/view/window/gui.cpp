@@ -88,7 +88,7 @@ void draw_light(ViewSession& session, GuiRequest& request) {
   if (!ImGui::CollapsingHeader("Light", ImGuiTreeNodeFlags_DefaultOpen)) return;
   ViewSettings& s = session.settings;
   bool changed = ImGui::Checkbox("direct light", &s.direct);
-  tooltip("punctual lights with shadow maps, what shines by itself, the environment behind");
+  tooltip("punctual lights with shadow maps, emission, the environment behind");
   if (ImGui::BeginCombo("shadow maps", fmt::format("{}", s.shadow_size).c_str())) {
     for (const int size : {256, 512, 1024, 2048, 4096}) {
       if (ImGui::Selectable(fmt::format("{}", size).c_str(), size == s.shadow_size)) {

@@ -135,7 +135,7 @@ void note_left_out(const Scene& scene, const std::set<int>& materials, std::vect
   if (uv_sets) notes.push_back(fmt::format("{}: textures of a third set of coordinates are left out", scene.name));
   if (emits)
     notes.push_back(
-        fmt::format("{}: surfaces that shine light nothing by themselves; a grid holds what they light", scene.name));
+        fmt::format("{}: emissive surfaces light nothing by themselves; a grid holds their light", scene.name));
 }
 
 }  // namespace

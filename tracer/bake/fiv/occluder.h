@@ -9,8 +9,8 @@
 
 namespace ivory {
 
-// Instances are moved so that the bounding sphere is the unit sphere about the origin; lights are left out, balls of
-// light with their meshes.
+// Instances are moved so that the bounding sphere is the unit sphere about the origin. Lights are left out, spherical
+// lights with their meshes.
 struct FivOccluder {
   Scene scene;
   V3f center_m;  // of the bounding sphere, in the world of the scene it was made from

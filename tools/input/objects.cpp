@@ -1,4 +1,4 @@
-#include "tools/cli/dynamic_objects.h"
+#include "tools/input/objects.h"
 
 #include <array>
 #include <optional>
@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
-#include "tools/cli/scene_input.h"
+#include "tools/input/scene.h"
 #include "tracer/gltf/loader.h"
 
 namespace ivory {

@@ -1,4 +1,4 @@
-#include "tools/cli/ambient_input.h"
+#include "tools/input/ambient.h"
 
 #include <memory>
 

@@ -1,4 +1,4 @@
-#include "tools/cli/environment_input.h"
+#include "tools/input/environment.h"
 
 #include <filesystem>
 

@@ -9,7 +9,7 @@
 
 #include "grid/base/metadata.h"
 #include "tools/cli/common.h"
-#include "tools/cli/environment_input.h"
+#include "tools/input/environment.h"
 #include "tracer/core/lit_scene.h"
 
 namespace ivory {

@@ -1,11 +1,11 @@
-#include "tools/cli/vdb_input.h"
+#include "tools/input/vdb.h"
 
 #include <filesystem>
 
 #include "grid/base/error.h"
 #include "grid/io/vdb/seal.h"
 #include "grid/io/vdb/vdb.h"
-#include "tools/cli/trial.h"
+#include "tools/input/trial.h"
 
 namespace ivory {
 

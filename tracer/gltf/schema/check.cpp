@@ -1,4 +1,4 @@
-#include "tracer/gltf/schema.h"
+#include "tracer/gltf/schema/check.h"
 
 #include <cmath>
 #include <set>
@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "tracer/gltf/schema_tables.h"
+#include "tracer/gltf/schema/tables.h"
 
 namespace ivory::gltf {
 namespace {

@@ -1,5 +1,5 @@
 // The properties of glTF 2.0 and its extensions that ivory reads: types, ranges, targets.
-#include "tracer/gltf/schema_tables.h"
+#include "tracer/gltf/schema/tables.h"
 
 namespace ivory::gltf {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/cli/trial.h"
+#include "tools/input/trial.h"
 
 #include <array>
 #include <cerrno>

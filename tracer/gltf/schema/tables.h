@@ -1,4 +1,4 @@
-// How the tables of gltf_schema_tables.cpp describe JSON. Private to the loader.
+// How the tables of tables.cpp describe JSON. Private to the loader.
 #pragma once
 
 #include <span>

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tools/cli/common.h"
-#include "tools/cli/scene_input.h"
+#include "tools/input/scene.h"
 #include "tracer/render/final_gather.h"
 
 namespace ivory {

@@ -1,4 +1,4 @@
-#include "tools/cli/file_kind.h"
+#include "tools/input/file_kind.h"
 
 #include <filesystem>
 
@@ -7,7 +7,7 @@
 #include "grid/io/file.h"
 #include "grid/io/json.h"
 #include "grid/io/sh9.h"
-#include "tools/cli/scene_input.h"
+#include "tools/input/scene.h"
 
 namespace ivory {
 

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "tools/cli/scene_input.h"
+#include "tools/input/scene.h"
 
 namespace ivory {
 

@@ -1,4 +1,4 @@
-#include "tools/cli/points_csv.h"
+#include "tools/input/points.h"
 
 #include <algorithm>
 #include <array>

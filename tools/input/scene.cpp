@@ -1,4 +1,4 @@
-#include "tools/cli/scene_input.h"
+#include "tools/input/scene.h"
 
 #include <filesystem>
 

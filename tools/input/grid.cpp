@@ -1,9 +1,9 @@
-#include "tools/cli/grid_input.h"
+#include "tools/input/grid.h"
 
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
-#include "tools/cli/vdb_input.h"
+#include "tools/input/vdb.h"
 
 namespace ivory {
 
