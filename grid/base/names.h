@@ -47,6 +47,7 @@ constexpr std::string_view name_of(Enum value) {
   return {};
 }
 
+// All names of the enum, in the order of its table.
 template <typename Enum>
 std::vector<std::string> names_of() {
   std::vector<std::string> names;
@@ -54,6 +55,7 @@ std::vector<std::string> names_of() {
   return names;
 }
 
+// All values that have a name, as a std::array in the order of the table.
 template <typename Enum>
 constexpr auto values_of() {
   std::array<Enum, name_table<Enum>.entries.size()> values{};
@@ -61,6 +63,7 @@ constexpr auto values_of() {
   return values;
 }
 
+// The value of that name, case-sensitive; nothing where there is none.
 template <typename Enum>
 std::optional<Enum> find_by_name(std::string_view name) {
   for (const auto& entry : name_table<Enum>.entries) {

@@ -25,11 +25,14 @@ using Rgb = Imath::C3f;
 
 inline constexpr float pi = 3.14159265358979323846F;
 
+// Of linear Rec.709 colour, in its unit (Y of CIE XYZ).
 inline float luminance(const Rgb& c) { return 0.2126F * c.x + 0.7152F * c.y + 0.0722F * c.z; }
+// The largest of r, g, b.
 inline float max_component(const Rgb& c) {
   const float xy = c.x > c.y ? c.x : c.y;
   return xy > c.z ? xy : c.z;
 }
+// Exactly zero in all three channels.
 inline bool is_black(const Rgb& c) { return c.x == 0 && c.y == 0 && c.z == 0; }
 
 }  // namespace ivory

@@ -10,6 +10,7 @@ struct EmbeddedShader {
   std::string_view name;
   std::string_view text;
 };
+// All of them, sorted by name; made by tools/cmake/EmbedShaders.cmake.
 const std::vector<EmbeddedShader>& embedded_shaders();
 
 }  // namespace ivory

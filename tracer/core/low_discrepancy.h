@@ -10,6 +10,7 @@ namespace ivory {
 
 namespace low_discrepancy {
 
+// Bit 0 becomes bit 31 and so on.
 inline std::uint32_t reverse_bits(std::uint32_t x) {
   x = (x << 16U) | (x >> 16U);
   x = ((x & 0x00ff00ffU) << 8U) | ((x & 0xff00ff00U) >> 8U);
@@ -29,12 +30,13 @@ inline std::uint32_t permute(std::uint32_t x, std::uint32_t seed) {
   return x;
 }
 
+// Owen's nested uniform scramble of a 32-bit fraction of [0, 1); `seed` chooses which.
 inline std::uint32_t scramble(std::uint32_t x, std::uint32_t seed) {
   return reverse_bits(permute(reverse_bits(x), seed));
 }
 
+// Murmur3's finalizer: a bijection whose output bits each depend on all input bits.
 inline std::uint32_t hash(std::uint32_t x) {
-  // Murmur3's finalizer.
   x ^= x >> 16U;
   x *= 0x85ebca6bU;
   x ^= x >> 13U;

@@ -34,6 +34,7 @@ inline std::uint32_t mixed(std::uint32_t x) {
   return x ^ (x >> 16U);
 }
 
+// Random bits of a segment, for rounded_at_random(): the same for the same segment, whoever deposits it.
 inline std::uint32_t rounding_key(const PhotonSegment& segment) {
   std::uint32_t key = 0;
   for (const float x : {segment.jitter, segment.direction.x, segment.direction.y, segment.origin.x, segment.origin.z})
