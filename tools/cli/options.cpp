@@ -128,7 +128,8 @@ Option Command::add_option(const std::string& name, std::function<void(const std
   const auto read_all = [read = std::move(read)](const std::vector<std::string>& texts) {
     for (const std::string& text : texts) read(text);
   };
-  return Option(app_->add_option_function<std::vector<std::string>>(name, read_all, description)->expected(1));
+  CLI::Option* option = app_->add_option_function<std::vector<std::string>>(name, read_all, description);
+  return Option(option->expected(1)->allow_extra_args(false));  // what follows its one value is no second one
 }
 
 Option Command::add_flag(const std::string& name, bool& value, const std::string& description) {

@@ -14,6 +14,8 @@ namespace ivory {
 
 namespace {
 
+constexpr std::size_t max_keys = 100'000;
+
 UsageError bad_path(const std::string& text, const std::string& cause) {
   return UsageError(fmt::format("--path: '{}' {}; it is circle:RADIUS[,SECONDS], line:X,Y,Z[,SECONDS] or keys:FILE.csv",
                                 text, cause));
@@ -42,6 +44,7 @@ std::vector<Keyframe> read_keys(const std::string& file) {
     if (keys.back().time_s < 0 || (keys.size() > 1 && keys.back().time_s <= keys[keys.size() - 2].time_s))
       throw Error(file, fmt::format("the time of line {} is not later than the one before", line.number),
                   "put keyframes in order, from 0 s");
+    if (keys.size() > max_keys) throw Error(file, "has more than 100000 keyframes", "leave out some");
   }
   if (keys.empty() || keys.back().time_s == 0) throw Error(file, "holds no keyframe after 0 s", remedy);
   return keys;
