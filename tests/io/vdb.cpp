@@ -122,7 +122,8 @@ TEST(VdbFile, OverwritesOnlyWhenForced) {
   const std::string path = folder / "grid.vdb";
   write_vdb(path, random_grid(1, Basis::sh4), false);
   const std::string before = read_bytes(path);
-  EXPECT_NE(error_of([&] { write_vdb(path, random_grid(2, Basis::sh4), false); }).find("already exists"), std::string::npos);
+  EXPECT_NE(error_of([&] { write_vdb(path, random_grid(2, Basis::sh4), false); }).find("already exists"),
+            std::string::npos);
   EXPECT_EQ(read_bytes(path), before);
   write_vdb(path, random_grid(2, Basis::sh4), true);
   EXPECT_NE(read_bytes(path), before);
