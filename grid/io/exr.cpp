@@ -1,6 +1,8 @@
 #include "grid/io/exr.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <type_traits>
 #include <variant>
@@ -11,6 +13,7 @@
 #include <ImfFloatVectorAttribute.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
+#include <ImfIO.h>
 #include <ImfInputFile.h>
 #include <ImfIntAttribute.h>
 #include <ImfOutputFile.h>
@@ -79,6 +82,25 @@ Imf::FrameBuffer frame_buffer(std::vector<float>& values, int width, const std::
   return buffer;
 }
 
+// OpenEXR completes a file in a destructor, which cannot tell that the disk is full: it writes to memory.
+class MemoryFile : public Imf::OStream {
+ public:
+  MemoryFile() : Imf::OStream("memory") {}
+  void write(const char* bytes, int count) override {
+    const std::size_t end = at_ + std::size_t(count);
+    if (end > bytes_.size()) bytes_.resize(end);
+    std::copy(bytes, bytes + count, bytes_.begin() + std::ptrdiff_t(at_));
+    at_ = end;
+  }
+  std::uint64_t tellp() override { return at_; }
+  void seekp(std::uint64_t position) override { at_ = position; }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+  std::size_t at_ = 0;
+};
+
 std::string text_attribute(const Imf::Header& header, const std::string& name) {
   const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(name);
   return attribute == nullptr ? std::string() : attribute->value();
@@ -133,7 +155,6 @@ ExrAsset read_header(const std::string& path, const Imf::Header& header, const s
 }  // namespace
 
 void write_exr(const std::string& path, const ExrAsset& asset, ExrPrecision precision, bool force) {
-  PendingFile pending(path, force);
   ExrAsset stored = asset;
   for (auto& [key, value] : stored.metadata) value = storable(value);
   for (float& value : stored.values) {
@@ -157,8 +178,9 @@ void write_exr(const std::string& path, const ExrAsset& asset, ExrPrecision prec
   for (const auto& [key, list] : stored.lists) header.insert(prefix + key, Imf::FloatVectorAttribute(list));
   if (stored.cube_environment) header.insert("envmap", Imf::EnvmapAttribute(Imf::ENVMAP_CUBE));
 
+  MemoryFile memory;
   try {
-    Imf::OutputFile file(pending.temporary().c_str(), header);
+    Imf::OutputFile file(memory, header);
     Imf::FrameBuffer buffer;
     std::vector<half> halves;
     if (precision == ExrPrecision::float32) {
@@ -174,9 +196,9 @@ void write_exr(const std::string& path, const ExrAsset& asset, ExrPrecision prec
     file.setFrameBuffer(buffer);
     file.writePixels(stored.height);
   } catch (const std::exception& error) {
-    throw Error(path, std::string("cannot be written (") + error.what() + ")", "check the disk");
+    throw Error(path, std::string("cannot be written (") + error.what() + ")", "check the inputs");
   }
-  pending.commit();
+  write_file(path, memory.bytes(), force);
 }
 
 ExrAsset read_exr(const std::string& path, const std::string& kind, const std::string& remedy) {

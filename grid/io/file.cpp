@@ -97,6 +97,27 @@ void PendingFile::commit() {
   sync_to_disk(folder.empty() ? "." : folder);
 }
 
+void write_file(const std::string& path, std::string_view bytes, bool force) {
+  PendingFile pending(path, force);
+  const int file = ::open(pending.temporary().c_str(), O_WRONLY | O_TRUNC | O_CLOEXEC);
+  int error = file < 0 ? errno : 0;
+  while (error == 0 && !bytes.empty()) {
+    const ssize_t written = ::write(file, bytes.data(), std::min(bytes.size(), std::size_t(1) << 30U));
+    if (written > 0) {
+      bytes.remove_prefix(std::size_t(written));
+    } else if (written == 0 || errno != EINTR) {
+      error = written == 0 ? ENOSPC : errno;
+    }
+  }
+  if (file >= 0 && ::close(file) != 0 && error == 0) error = errno;  // network disks say it late
+  if (error != 0) {
+    const bool full = error == ENOSPC || error == EDQUOT || error == EFBIG;
+    throw Error(path, "cannot be written (" + std::generic_category().message(error) + ")",
+                full ? "make room on its disk, or write elsewhere" : "check the disk");
+  }
+  pending.commit();
+}
+
 std::string lower_extension(const std::string& path) {
   std::string extension = fs::path(path).extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 namespace ivory {
 
@@ -28,6 +29,10 @@ class PendingFile {
   std::string temporary_;
   bool committed_ = false;
 };
+
+// Writes a file of those bytes, whole or not at all. Throws Error as PendingFile does, and where the disk takes less
+// than all, with the system's reason.
+void write_file(const std::string& path, std::string_view bytes, bool force);
 
 // A file name's extension with its dot, in lower case: ".exr" of "A.EXR"; "" where it has none.
 std::string lower_extension(const std::string& path);

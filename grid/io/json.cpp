@@ -81,14 +81,7 @@ std::string json_asset_kind(const std::string& path) {
   return finder.kind;
 }
 
-void write_json_text(const std::string& path, const std::string& text, bool force) {
-  PendingFile pending(path, force);
-  std::ofstream file(pending.temporary(), std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) throw Error(path, "cannot be written", "check the disk");
-  pending.commit();
-}
+void write_json_text(const std::string& path, const std::string& text, bool force) { write_file(path, text, force); }
 
 Json to_json(const Metadata& metadata) {
   Json json = Json::object();

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "grid/base/error.h"
+#include "tests/support/full_disk.h"
 
 namespace ivory {
 namespace {
@@ -38,6 +39,20 @@ ExrAsset example() {
   asset.metadata = {{"radius_m", 0.1}, {"count", std::int64_t(7)}, {"scene", std::string("room.glb")}};
   asset.lists = {{"radii_m", {0.25F, 0.5F, 1.1F}}};
   return asset;
+}
+
+// OpenEXR flushes its last bytes where nobody hears of an error.
+TEST_F(ExrFiles, AFullDiskIsAnErrorToTheLastByte) {
+  write_exr(path("a.exr"), example(), ExrPrecision::float32, false);
+  const std::uintmax_t size = fs::file_size(path("a.exr"));
+  for (const std::uintmax_t room : {std::uintmax_t(0), size / 2, size - 1}) {
+    const FullDisk full(room);
+    EXPECT_THROW(write_exr(path("b.exr"), example(), ExrPrecision::float32, false), Error) << room;
+    EXPECT_FALSE(fs::exists(path("b.exr")));
+  }
+  const FullDisk enough(size);
+  EXPECT_NO_THROW(write_exr(path("b.exr"), example(), ExrPrecision::float32, false));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 2);
 }
 
 void expect_error(const std::string& path, const std::string& kind, const std::string& words) {

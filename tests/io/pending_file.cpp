@@ -8,6 +8,7 @@
 
 #include "grid/base/error.h"
 #include "grid/io/file.h"
+#include "tests/support/full_disk.h"
 
 namespace ivory {
 namespace {
@@ -88,6 +89,21 @@ TEST_F(PendingFiles, WritersOfOneFileDoNotMeet) {
   second.commit();
   first.commit();
   EXPECT_EQ(read(path("a.csv")), "first");
+}
+
+TEST_F(PendingFiles, AFullDiskIsAnErrorAndLeavesTheOldFile) {
+  const std::string text(10000, 'x');
+  write_file(path("store/a.json"), text, false);
+  EXPECT_THROW(write_file(path("store/a.json"), text, false), Error);
+  {
+    const FullDisk full(text.size() - 1);
+    EXPECT_THROW(write_file(path("store/a.json"), text, true), Error);
+    EXPECT_NO_THROW(write_file(path("store/b.json"), "short", false));
+  }
+  EXPECT_EQ(read(path("store/a.json")), text);
+  EXPECT_EQ(files_in("store"), 2U);
+  write_file(path("store/a.json"), "", true);
+  EXPECT_EQ(read(path("store/a.json")), "");
 }
 
 TEST(LowerExtension, IsThatOfTheLastComponent) {

@@ -1,6 +1,10 @@
 #include "tools/input/environment.h"
 
 #include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "grid/io/file.h"
 
@@ -34,10 +38,12 @@ void add_environment_options(Command command, EnvironmentChoice& choice, const s
 EnvironmentInput load_environment_input(const EnvironmentChoice& choice) {
   std::optional<EnvironmentLayout> layout;
   if (!choice.layout.empty()) layout = from_name<EnvironmentLayout>(choice.layout);
-  EnvironmentInput input{load_environment_image(choice.path, layout), {}};
+  LoadedEnvironment loaded = load_environment_image(choice.path, layout);
+  EnvironmentInput input{std::move(loaded.image), std::move(loaded.facts), std::move(loaded.warnings)};
   input.origin["environment"] = std::filesystem::path(choice.path).filename().string();
   input.origin["environment_hash"] = file_hash(choice.path);
   input.origin["environment_layout"] = std::string(name_of(input.image.layout));
+  if (!input.warnings.empty()) input.origin["assumptions"] = fmt::format("{}", fmt::join(input.warnings, "; "));
   return input;
 }
 

@@ -37,6 +37,7 @@ SceneInput load_scene_input(const std::string& path, const EnvironmentChoice& en
     EnvironmentInput map = load_environment_input(environment);
     loaded.scene.environment = to_latlong(std::move(map.image));
     origin.merge(map.origin);
+    loaded.warnings.insert(loaded.warnings.end(), map.warnings.begin(), map.warnings.end());
   }
   if (extend) extend(loaded.scene);
   for (const std::string& warning : loaded.warnings) print_note(common, "warning: " + warning);

@@ -45,6 +45,7 @@ ViewObject load_object(ViewSession& session, const std::string& path, const V3f&
 void set_environment(ViewSession& session, const EnvironmentChoice& choice) {
   constexpr int difmap_size = 64;
   EnvironmentInput input = load_environment_input(choice);
+  append(session.notes, input.warnings, "warning: ");
   DifMap difmap;
   difmap.e = bake_irradiance(make_irradiance_tree(input.image), difmap_size).e;
   difmap.metadata = input.origin;
