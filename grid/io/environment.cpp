@@ -154,7 +154,8 @@ LoadedEnvironment load_environment_image(const std::string& path, std::optional<
   decode(path, picture);
 
   LoadedEnvironment loaded{in_layout(layout, picture), {}, {}};
-  for (const std::string& warning : picture.warnings) loaded.warnings.push_back(path + ": " + warning);
+  for (const auto* warnings : {&picture.warnings, &picture.color_warnings})
+    for (const std::string& warning : *warnings) loaded.warnings.push_back(path + ": " + warning);
   clamp_below_zero(path, loaded);
   bring_to_nits(path, picture, loaded);
   for (const Rgb& texel : texels_of(loaded.image))

@@ -128,6 +128,23 @@ TEST_F(RadianceFiles, XyzBecomesRec709) {
             std::string::npos);
 }
 
+// Photoshop's eight zeros say nothing; primaries of Rec.709 with Radiance's even white are other ones, white stays
+// white.
+TEST_F(RadianceFiles, PrimariesAreTakenWhereTheyAreSaid) {
+  const std::string pixels = pixel(80, 80, 80) + pixel(9, 80, 9);
+  const auto read = [&](const std::string& primaries) {
+    return load_environment_image(write(header("GAMMA=1\nPRIMARIES=" + primaries + "\n" + rgbe, "-Y 1 +X 2") + pixels));
+  };
+  const LoadedEnvironment unknown = read("0 0 0 0 0 0 0 0");
+  EXPECT_EQ(texels(unknown), (std::vector<Rgb>{Rgb(80, 80, 80), Rgb(9, 80, 9)}));
+  EXPECT_TRUE(unknown.warnings.empty());
+  const LoadedEnvironment even = read(".640 .330 .290 .600 .150 .060 .3333 .3333");
+  for (int c = 0; c < 3; ++c) EXPECT_NEAR(texels(even)[0][c], 80, 1e-2);
+  EXPECT_NE(texels(even)[1], Rgb(9, 80, 9));
+  EXPECT_EQ(even.warnings.size(), 1U);
+  EXPECT_THROW(read("0.3 0.3 0.3 0.3 0.3 0.3 0.3 0.3"), Error);
+}
+
 TEST_F(RadianceFiles, OldRunsAreReadInTheirPlace) {
   // A pixel; 300 more of it as 44 + 256; one of its own; 210 more: 512 of a line.
   const std::string line =

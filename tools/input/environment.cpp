@@ -40,10 +40,15 @@ EnvironmentInput load_environment_input(const EnvironmentChoice& choice) {
   if (!choice.layout.empty()) layout = from_name<EnvironmentLayout>(choice.layout);
   LoadedEnvironment loaded = load_environment_image(choice.path, layout);
   EnvironmentInput input{std::move(loaded.image), std::move(loaded.facts), std::move(loaded.warnings)};
-  input.origin["environment"] = std::filesystem::path(choice.path).filename().string();
+  const std::string name = std::filesystem::path(choice.path).filename().string();
+  input.origin["environment"] = name;
   input.origin["environment_hash"] = file_hash(choice.path);
   input.origin["environment_layout"] = std::string(name_of(input.image.layout));
-  if (!input.warnings.empty()) input.origin["assumptions"] = fmt::format("{}", fmt::join(input.warnings, "; "));
+  // Where the map lies is nobody's business: the same bake gives the same bytes in any folder.
+  std::vector<std::string> assumptions;
+  for (const std::string& warning : input.warnings)
+    assumptions.push_back(name + warning.substr(warning.starts_with(choice.path) ? choice.path.size() : 0));
+  if (!assumptions.empty()) input.origin["assumptions"] = fmt::format("{}", fmt::join(assumptions, "; "));
   return input;
 }
 

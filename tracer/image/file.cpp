@@ -67,16 +67,19 @@ void write_display_image(const std::string& path, const DisplayImage& image, con
   write_pixels(path, image.width, image.height, PixelType::uint8, image.rgb.data(), metadata, force);
 }
 
-Film read_image(const std::string& path) {
+ImageFile read_image_file(const std::string& path) {
   StoredPicture picture = read_picture(path, "give an EXR or other image file");
   for (const Rgb& texel : picture.texels)
     for (int c = 0; c < 3; ++c)
       if (!std::isfinite(texel[c])) throw Error(path, "holds values that are not finite", "render it again");
-  Film film;
-  film.width = picture.width;
-  film.height = picture.height;
-  film.pixels = std::move(picture.texels);
-  return film;
+  ImageFile file;
+  file.film.width = picture.width;
+  file.film.height = picture.height;
+  file.film.pixels = std::move(picture.texels);
+  for (const std::string& warning : picture.warnings) file.warnings.push_back(path + ": " + warning);
+  return file;
 }
+
+Film read_image(const std::string& path) { return read_image_file(path).film; }
 
 }  // namespace ivory

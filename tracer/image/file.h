@@ -37,4 +37,11 @@ void write_display_image(const std::string& path, const DisplayImage& image, con
 // one channel as grey. Throws Error for unreadable files and values that are not finite.
 Film read_image(const std::string& path);
 
+// The same of files by other programs, with what was assumed of them, one line each: the layer taken, for instance.
+struct ImageFile {
+  Film film;
+  std::vector<std::string> warnings;
+};
+ImageFile read_image_file(const std::string& path);
+
 }  // namespace ivory

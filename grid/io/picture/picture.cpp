@@ -43,13 +43,13 @@ void set_transfer(StoredPicture& picture, const std::string& path, const ImageHe
     if (gamma == 1) return;
     picture.transfer = Transfer::power;
     picture.gamma = gamma > 1 ? gamma : 1 / gamma;  // some writers store the encoder's exponent
-    picture.warnings.push_back(
+    picture.color_warnings.push_back(
         fmt::format("says that its values are coded by a power of {:.4g}: they are decoded by it", picture.gamma));
   } else if (space.empty() || same_word(space, "Rec709")) {
     if (!integers) return;
     picture.transfer = Transfer::srgb;
     if (has_srgb_profile(header)) return;
-    picture.warnings.push_back(
+    picture.color_warnings.push_back(
         fmt::format("has {} and says no colour space that ivory knows: sRGB is assumed", header.pixel_type));
   } else {
     throw Error(path, "is coded as " + space + ", which ivory does not decode", "convert it to linear OpenEXR");
@@ -60,8 +60,8 @@ void set_transfer(StoredPicture& picture, const std::string& path, const ImageHe
 void note_profile(StoredPicture& picture, const ImageHeader& header) {
   const std::string profile = profile_of(header);
   if (profile.empty() || has_srgb_profile(header)) return;
-  picture.warnings.push_back(fmt::format("has the colour profile '{}', which is not applied: {} Rec.709 is assumed",
-                                         profile, transfer_name(picture)));
+  picture.color_warnings.push_back(fmt::format(
+      "has the colour profile '{}', which is not applied: {} Rec.709 is assumed", profile, transfer_name(picture)));
 }
 
 // Colour stored times alpha is divided by it, so that a texel is the same in all formats. Where nothing is left of it,

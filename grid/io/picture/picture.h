@@ -25,7 +25,9 @@ struct StoredPicture {
   std::optional<EnvironmentLayout> layout;  // as its envmap attribute says
   std::string asset;                        // kind of asset that ivory baked, or empty
   std::string layer;                        // of an OpenEXR file with named layers or parts
-  std::vector<std::string> warnings;        // what was assumed, ignored or changed, one line each, without the path
+  // What was assumed, ignored or changed, one line each, without the path: of the texels, and of what they mean.
+  std::vector<std::string> warnings;
+  std::vector<std::string> color_warnings;
 };
 
 // Reads OpenEXR and Radiance files and all that OpenImageIO knows. Of files with alpha the colour alone. Throws Error,

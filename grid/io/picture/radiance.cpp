@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -108,7 +109,9 @@ class Reader {
       scale(h, key, {v[0], v[1], v[2]});
     } else if (key == "PRIMARIES") {
       const std::vector<double> v = numbers(key, value, 8);
-      h.primaries = Primaries{{v[0], v[1]}, {v[2], v[3]}, {v[4], v[5]}, {v[6], v[7]}};
+      // Photoshop writes eight zeros for those that it does not know.
+      if (std::any_of(v.begin(), v.end(), [](double x) { return x != 0; }))
+        h.primaries = Primaries{{v[0], v[1]}, {v[2], v[3]}, {v[4], v[5]}, {v[6], v[7]}};
     } else if (key == "GAMMA") {
       h.gamma = numbers(key, value, 1)[0];
     }
@@ -244,7 +247,7 @@ StoredPicture read_radiance_picture(const std::string& path, const std::string& 
   }
   if (!header.format_said) picture.warnings.emplace_back("has no FORMAT in its header: 32-bit_rle_rgbe is assumed");
   if (header.gamma != 1)
-    picture.warnings.push_back(
+    picture.color_warnings.push_back(
         fmt::format("has GAMMA={:g} in its header: it is ignored, values count as linear", header.gamma));
   return picture;
 }

@@ -219,7 +219,9 @@ std::string add_file(ViewSession& session, const std::string& path, const std::o
 void set_reference(ViewSession& session, const std::string& path, const Imath::V2i& size) {
   ReferencePicture reference;
   reference.path = path;
-  reference.film = read_image(path);
+  ImageFile file = read_image_file(path);
+  append(session.notes, file.warnings, "warning: ");
+  reference.film = std::move(file.film);
   reference.is_display = !is_linear_image(path);
   const Film& film = reference.film;
   if (film.width != size.x || film.height != size.y) {
