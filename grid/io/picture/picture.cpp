@@ -49,8 +49,10 @@ void set_transfer(StoredPicture& picture, const std::string& path, const ImageHe
     if (!integers) return;
     picture.transfer = Transfer::srgb;
     if (has_srgb_profile(header)) return;
+    const std::size_t digits = header.pixel_type.find_first_of("0123456789");
+    const std::string bits = digits == std::string::npos ? "32" : header.pixel_type.substr(digits);
     picture.color_warnings.push_back(
-        fmt::format("has {} and says no colour space that ivory knows: sRGB is assumed", header.pixel_type));
+        fmt::format("states no colour space for its {} bits a channel: sRGB is assumed", bits));
   } else {
     throw Error(path, "is coded as " + space + ", which ivory does not decode", "convert it to linear OpenEXR");
   }
