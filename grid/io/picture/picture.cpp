@@ -3,6 +3,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <utility>
 
@@ -73,6 +74,13 @@ void divide_by_alpha(float* texel, int colors, float alpha) {
 }
 
 }  // namespace
+
+void check_claimed_size(const std::string& path, std::int64_t width, std::int64_t height) {
+  constexpr double most_pixels_per_byte = 65536;  // black in OpenEXR's large blocks stays far below
+  const auto bytes = std::filesystem::file_size(path);
+  if (double(width) * double(height) > most_pixels_per_byte * double(bytes))
+    throw Error(path, fmt::format("claims {} x {} pixels in {} bytes", width, height, bytes), "export it again");
+}
 
 StoredPicture read_other_picture(const std::string& path, const std::string& remedy) {
   std::string cause;
