@@ -268,6 +268,10 @@ TEST(GltfMaterials, BrokenImagesAreRefusedWhereTheyAreShown) {
       EXPECT_NE(error_of(builder, "image_cut").find("images[0]"), std::string::npos) << extension << " " << keep;
     }
   }
+  // The header of a WebP of 2 x 2 pixels that moves.
+  GltfBuilder::write_file(GltfBuilder::folder() + "/moving.webp",
+                          std::string("RIFF\x16\0\0\0WEBPVP8X\x0A\0\0\0\x02\0\0\0\1\0\0\1\0\0", 30));
+  EXPECT_NE(error_of(textured({{"uri", "moving.webp"}}), "image_moving").find("animation"), std::string::npos);
   EXPECT_NE(error_of(textured({{"uri", "nowhere.png"}}), "image_missing").find("no such file"), std::string::npos);
   EXPECT_NE(error_of(textured({{"uri", "."}}), "image_folder").find("not a regular file"), std::string::npos);
 
