@@ -12,8 +12,8 @@
 namespace ivory {
 
 struct Ray {
-  V3f origin;
-  V3f direction;  // unit
+  V3f origin{0, 0, 0};
+  V3f direction{0, 0, 0};  // unit, to be set
   float t_min = 0;
   float t_max = std::numeric_limits<float>::infinity();
   // Decides stochastic BLEND coverage along the ray; to be drawn anew, uniform over 32 bits, for each.
