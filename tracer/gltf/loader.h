@@ -8,6 +8,11 @@
 
 namespace ivory {
 
+// How a file is taken.
+struct LoadParams {
+  double scale = 1;  // metres a unit of the file: multiplies positions, not light (candela, lux and nits stay)
+};
+
 struct LoadedScene {
   Scene scene;
   std::vector<std::string> warnings;  // one line each: what was ignored or mended, and where
@@ -29,6 +34,6 @@ struct LoadedScene {
 // Nodes that share a mesh share it in the Scene. Points and lines are left out. Morphed meshes are
 // posed by their mesh's default weights; skinned ones stand as modelled. Tangents are made from the
 // uv derivatives where a normal map needs them and the file brings none.
-LoadedScene load_gltf(const std::string& path);
+LoadedScene load_gltf(const std::string& path, const LoadParams& params = {});
 
 }  // namespace ivory
