@@ -14,6 +14,7 @@
 #include "grid/io/json.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
+#include "tools/input/assumptions.h"
 #include "tools/input/grid.h"
 #include "tools/input/objects.h"
 #include "tools/input/scene.h"
@@ -92,7 +93,7 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& co
     return capture_cube(input.lit, options.at, params);
   }();
   const std::vector<std::string> warnings = judge(options, capture, *input.lit.scene);
-  for (const std::string& warning : warnings) print_note(common, "warning: " + warning);
+  print_warnings(common, warnings);
   LocalizedCube cube = localize(capture.cube, options.size, options.shell);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
@@ -107,6 +108,7 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& co
   m["shell"] = std::string(name_of(options.shell));
   m["units"] = std::string("nits, 1/m");
   if (!options.without.empty()) m["without"] = fmt::format("{}", fmt::join(options.without, ", "));
+  keep_assumptions(m, warnings);
   write_localized_cube(options.output, cube, common.force);
 
   double nearest = 0;

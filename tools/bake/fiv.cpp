@@ -17,6 +17,7 @@
 #include "grid/io/json.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
+#include "tools/input/assumptions.h"
 #include "tools/input/environment.h"
 #include "tools/input/scene.h"
 #include "tracer/bake/fiv/baker.h"
@@ -66,7 +67,7 @@ void run_bake_fiv(const BakeFivOptions& options, const CommonOptions& common) {
   check_output(options.output, ".exr", common);
   if (!is_scene_name(options.mesh)) throw Error(options.mesh, "is no .gltf or .glb file", "convert the mesh");
   const LoadedScene loaded = load_gltf(options.mesh, options.load.load);
-  for (const std::string& warning : loaded.warnings) print_note(common, "warning: " + warning);
+  print_warnings(common, loaded.warnings);
   const FivOccluder occluder = make_fiv_occluder(loaded.scene);
   EnvironmentInput environment = load_environment_input(options.environment);
   const CubeMap cube = fine_cube(to_latlong(std::move(environment.image)), params.environment_size);
@@ -83,6 +84,7 @@ void run_bake_fiv(const BakeFivOptions& options, const CommonOptions& common) {
   m["mesh"] = std::filesystem::path(options.mesh).filename().string();
   m["mesh_hash"] = loaded.scene.content_hash;
   describe(options.load, m);
+  keep_assumptions(m, loaded.warnings);
   m["environment_size"] = std::int64_t(params.environment_size);
   m["environment_parts"] = std::int64_t(params.parts);
   m["silhouette_pixels"] = std::int64_t(params.silhouette_pixels);

@@ -11,6 +11,7 @@
 #include "grid/io/sphere_set.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
+#include "tools/input/assumptions.h"
 #include "tools/input/scene.h"
 #include "tracer/bake/spheres/fit.h"
 #include "tracer/gltf/loader.h"
@@ -31,7 +32,7 @@ void run(const BakeSpheresOptions& options, const CommonOptions& common) {
   check_output(options.output, ".json", common);
   if (!is_scene_name(options.mesh)) throw Error(options.mesh, "is no .gltf or .glb file", "convert the mesh");
   const LoadedScene loaded = load_gltf(options.mesh, options.load.load);
-  for (const std::string& warning : loaded.warnings) print_note(common, "warning: " + warning);
+  print_warnings(common, loaded.warnings);
 
   SphereFitParams params;
   params.count = options.count;
@@ -49,6 +50,7 @@ void run(const BakeSpheresOptions& options, const CommonOptions& common) {
   m["mesh"] = std::filesystem::path(options.mesh).filename().string();
   m["mesh_hash"] = loaded.scene.content_hash;
   describe(options.load, m);
+  keep_assumptions(m, loaded.warnings);
   m["count"] = std::int64_t(fit.set.spheres.size());
   m["asked_for"] = std::int64_t(options.count);
   m["solid"] = std::string(fit.solid ? "yes" : "no");

@@ -15,6 +15,7 @@
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/file_kind.h"
+#include "tools/input/hints.h"
 #include "tools/input/scene.h"
 #include "tools/input/vdb.h"
 
@@ -114,6 +115,7 @@ Json scene_json(const std::string& path, const SceneOptions& options, const Comm
   }
   json["power_lm"] = vector_json(input.lit.lights.total_power_lm());
   json["warnings"] = input.warnings;
+  json["hints"] = hints(input.lit);
   return json;
 }
 
@@ -186,10 +188,16 @@ void run_info(const std::string& path, const SceneOptions& options, const Common
       json.update(to_json(read_image_info(path)));
       break;
   }
+  // Assets keep them as lines of one text.
+  if (const auto assumptions = json.find("assumptions"); assumptions != json.end() && assumptions->is_string()) {
+    std::istringstream lines(assumptions->get<std::string>());
+    *assumptions = Json::array();
+    for (std::string line; std::getline(lines, line);) assumptions->push_back(line);
+  }
   std::string text;
   for (const auto& [key, value] : json.items()) {
-    if (key == "warnings") {
-      for (const Json& warning : value) text += fmt::format("{:<20} {}\n", "warning", text_of(warning));
+    if (key == "warnings" || key == "hints" || key == "assumptions") {
+      for (const Json& line : value) text += fmt::format("{:<20} {}\n", key.substr(0, key.size() - 1), text_of(line));
     } else if (value.is_array() && value.size() > 60) {
       text += fmt::format("{:<20} {} of them; --json lists all\n", key, value.size());
     } else {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
+#include "tools/input/assumptions.h"
 #include "tracer/gltf/loader.h"
 
 namespace ivory {
@@ -95,7 +96,7 @@ std::vector<bool> place_objects(Scene& scene, const std::vector<std::string>& ob
       continue;
     }
     LoadedScene loaded = load_gltf(file->path, options.load);
-    for (const std::string& warning : loaded.warnings) print_note(common, "warning: " + warning);
+    print_warnings(common, loaded.warnings);
     if (loaded.scene.instances.empty())
       throw Error(file->path, "has no triangles", "give --object a model with a mesh");
     if (!loaded.scene.lights.empty())

@@ -6,6 +6,7 @@
 
 #include "grid/base/error.h"
 #include "grid/io/file.h"
+#include "tools/input/assumptions.h"
 #include "tracer/gltf/loader.h"
 
 namespace ivory {
@@ -77,7 +78,8 @@ SceneInput load_scene_input(const std::string& path, const SceneOptions& options
     origin.merge(map.origin);
   }
   if (extend) extend(loaded.scene);
-  for (const std::string& warning : loaded.warnings) print_note(common, "warning: " + warning);
+  print_warnings(common, loaded.warnings);
+  keep_assumptions(origin, loaded.warnings);
   return {make_lit_scene(std::move(loaded.scene)), std::move(loaded.warnings), std::move(origin)};
 }
 
