@@ -1,16 +1,15 @@
 // Files that appear whole or not at all.
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <memory>
 
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 
 #include "grid/base/error.h"
 #include "grid/io/file.h"
+#include "tests/support/file_size_limit.h"
 
 namespace ivory {
 namespace {
@@ -155,15 +154,10 @@ TEST_F(PendingFiles, SayWhyTheyCannotBeWritten) {
     return "";
   };
   EXPECT_NE(message(path("nowhere/a.csv")).find("(No such file or directory); make its folder"), std::string::npos);
-  // Beyond the limit of file sizes there is a signal, which the command line ignores.
-  rlimit before{};
-  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
-  const rlimit small{5000, before.rlim_max};
-  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
-  const std::string too_large = message(path("store/a.csv"));
-  ::setrlimit(RLIMIT_FSIZE, &before);
-  std::signal(SIGXFSZ, handler);
+  const std::string too_large = [&] {
+    const FileSizeLimit limit(5000);
+    return message(path("store/a.csv"));
+  }();
   EXPECT_NE(too_large.find("(File too large); raise the limit"), std::string::npos) << too_large;
   EXPECT_EQ(files_in("store"), 0U);
 }
