@@ -1,5 +1,6 @@
 #include "grid/io/exr.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <type_traits>
@@ -11,6 +12,7 @@
 #include <ImfFloatVectorAttribute.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
+#include <ImfIO.h>
 #include <ImfInputFile.h>
 #include <ImfIntAttribute.h>
 #include <ImfOutputFile.h>
@@ -132,8 +134,31 @@ ExrAsset read_header(const std::string& path, const Imf::Header& header, const s
 
 }  // namespace
 
+namespace {
+
+// A file in memory. OpenEXR's own stream keeps what a small file holds until it is closed, and then says nothing about
+// a full disk.
+class MemoryStream : public Imf::OStream {
+ public:
+  explicit MemoryStream(const std::string& path) : Imf::OStream(path.c_str()) {}
+  void write(const char data[], int count) override {
+    const auto size = std::size_t(count);
+    if (at_ + size > bytes.size()) bytes.resize(at_ + size);
+    std::copy_n(data, size, bytes.begin() + std::ptrdiff_t(at_));
+    at_ += size;
+  }
+  std::uint64_t tellp() override { return at_; }
+  void seekp(std::uint64_t at) override { at_ = std::size_t(at); }
+
+  std::string bytes;
+
+ private:
+  std::size_t at_ = 0;
+};
+
+}  // namespace
+
 void write_exr(const std::string& path, const ExrAsset& asset, ExrPrecision precision, bool force) {
-  PendingFile pending(path, force);
   ExrAsset stored = asset;
   for (auto& [key, value] : stored.metadata) value = storable(value);
   for (float& value : stored.values) {
@@ -157,8 +182,9 @@ void write_exr(const std::string& path, const ExrAsset& asset, ExrPrecision prec
   for (const auto& [key, list] : stored.lists) header.insert(prefix + key, Imf::FloatVectorAttribute(list));
   if (stored.cube_environment) header.insert("envmap", Imf::EnvmapAttribute(Imf::ENVMAP_CUBE));
 
+  MemoryStream stream(path);
   try {
-    Imf::OutputFile file(pending.temporary().c_str(), header);
+    Imf::OutputFile file(stream, header);
     Imf::FrameBuffer buffer;
     std::vector<half> halves;
     if (precision == ExrPrecision::float32) {
@@ -174,9 +200,9 @@ void write_exr(const std::string& path, const ExrAsset& asset, ExrPrecision prec
     file.setFrameBuffer(buffer);
     file.writePixels(stored.height);
   } catch (const std::exception& error) {
-    throw Error(path, std::string("cannot be written (") + error.what() + ")", "check the disk");
+    throw Error(path, std::string("cannot be written (") + error.what() + ")", "check the inputs");
   }
-  pending.commit();
+  write_file(path, stream.bytes, force);
 }
 
 ExrAsset read_exr(const std::string& path, const std::string& kind, const std::string& remedy) {

@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "grid/base/error.h"
-#include "grid/io/file.h"
 
 namespace ivory {
 
@@ -79,15 +78,6 @@ std::string json_asset_kind(const std::string& path) {
   KindFinder finder;
   Json::sax_parse(file, &finder);
   return finder.kind;
-}
-
-void write_json_text(const std::string& path, const std::string& text, bool force) {
-  PendingFile pending(path, force);
-  std::ofstream file(pending.temporary(), std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) throw Error(path, "cannot be written", "check the disk");
-  pending.commit();
 }
 
 Json to_json(const Metadata& metadata) {

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "grid/base/error.h"
+#include "grid/io/file.h"
 #include "grid/io/json.h"
 
 namespace ivory {
@@ -34,7 +35,7 @@ void write_spheres(const std::string& path, const SphereSet& set, bool force) {
                         text_of(s.radius_m), i + 1 < set.spheres.size() ? "," : "");
   }
   text += " ]\n}\n";
-  write_json_text(path, text, force);
+  write_file(path, text, force);
 }
 
 SphereSet read_spheres(const std::string& path) {

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "grid/base/error.h"
 #include "grid/io/file.h"
 
 namespace ivory {
@@ -34,9 +35,13 @@ void add_environment_options(Command command, EnvironmentChoice& choice, const s
 EnvironmentInput load_environment_input(const EnvironmentChoice& choice) {
   std::optional<EnvironmentLayout> layout;
   if (!choice.layout.empty()) layout = from_name<EnvironmentLayout>(choice.layout);
+  const std::string hash = file_hash(choice.path);
   EnvironmentInput input{load_environment_image(choice.path, layout), {}};
+  // The hash is to be that of the image.
+  if (file_hash(choice.path) != hash)
+    throw Error(choice.path, "changed while it was read", "try again when it is written");
   input.origin["environment"] = std::filesystem::path(choice.path).filename().string();
-  input.origin["environment_hash"] = file_hash(choice.path);
+  input.origin["environment_hash"] = hash;
   input.origin["environment_layout"] = std::string(name_of(input.image.layout));
   return input;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -69,12 +68,7 @@ void write_points_csv(const std::string& path, bool force, const PointsTable& ta
     text += fmt::format("{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", table.rows[i], e[i].x, e[i].y, e[i].z, s.x,
                         s.y, s.z);
   }
-  PendingFile pending(path, force);
-  std::ofstream file(pending.temporary(), std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) throw Error(path, "cannot be written", "check the free space of its disk");
-  pending.commit();
+  write_file(path, text, force);
 }
 
 }  // namespace ivory

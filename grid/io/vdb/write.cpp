@@ -1,7 +1,6 @@
 // Writing half of grid/io/vdb/vdb.h.
 #include <algorithm>
 #include <cassert>
-#include <fstream>
 #include <sstream>
 
 #include <openvdb/openvdb.h>
@@ -38,13 +37,7 @@ class MemoryArchive : public openvdb::io::Archive {
 
 void write_sealed(const std::string& path, bool force, const openvdb::GridCPtrVec& grids,
                   const openvdb::MetaMap& metadata) {
-  const std::string bytes = MemoryArchive().sealed_bytes(grids, metadata);
-  PendingFile pending(path, force);
-  std::ofstream file(pending.temporary(), std::ios::binary);
-  file.write(bytes.data(), std::streamsize(bytes.size()));
-  file.close();
-  if (!file) throw Error(path, "cannot be written", "check the free space of its disk");
-  pending.commit();
+  write_file(path, MemoryArchive().sealed_bytes(grids, metadata), force);
 }
 
 void put(openvdb::MetaMap& map, const std::string& key, std::int64_t value) {
