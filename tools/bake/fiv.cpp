@@ -66,10 +66,11 @@ void run_bake_fiv(const BakeFivOptions& options, const CommonOptions& common) {
   check_size(options, params);
   check_output(options.output, ".exr", common);
   if (!is_scene_name(options.mesh)) throw Error(options.mesh, "is no .gltf or .glb file", "convert the mesh");
-  const LoadedScene loaded = load_gltf(options.mesh, options.load.load);
+  LoadedScene loaded = load_gltf(options.mesh, options.load.load);
+  EnvironmentInput environment = load_environment_input(options.environment);
+  loaded.warnings.insert(loaded.warnings.end(), environment.warnings.begin(), environment.warnings.end());
   print_warnings(common, loaded.warnings);
   const FivOccluder occluder = make_fiv_occluder(loaded.scene);
-  EnvironmentInput environment = load_environment_input(options.environment);
   const CubeMap cube = fine_cube(to_latlong(std::move(environment.image)), params.environment_size);
 
   Progress progress(common, "baking", "directions");

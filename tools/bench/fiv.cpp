@@ -77,10 +77,11 @@ std::vector<Case> make_cases(const FivOccluder& occluder) {
           {"forty", wider, strewn()}};
 }
 
-CubeMap make_light(const BenchFivOptions& options) {
+CubeMap make_light(const BenchFivOptions& options, const CommonOptions& common) {
   if (options.light == "one") return one_light(32);
   if (options.light == "two") return two_area_lights(32);
   EnvironmentInput input = load_environment_input(options.environment);
+  print_warnings(common, input.warnings);
   return cube_from_environment(to_latlong(std::move(input.image)), options.truth_size);
 }
 
@@ -91,7 +92,7 @@ void run(const BenchFivOptions& options, const CommonOptions& common) {
   params.samples = parse_size3("--samples", options.samples, 3);
   params.hemispheres = 6;
   const FivOccluder occluder = make_fiv_occluder(load_gltf(options.mesh, options.load.load).scene);
-  const CubeMap light = make_light(options);
+  const CubeMap light = make_light(options, common);
   Progress progress(common, "measuring", "steps");
   Json result{{"mesh", options.mesh}, {"samples", {params.samples.x, params.samples.y, params.samples.z}}};
   std::string human;

@@ -233,7 +233,9 @@ struct BenchRuntimeOptions {
 
 void run(const BenchRuntimeOptions& options, const CommonOptions& common) {
   const Scene object = load_gltf(options.mesh, options.load.load).scene;
-  const EnvironmentMap environment = to_latlong(load_environment_input(options.environment).image);
+  EnvironmentInput input = load_environment_input(options.environment);
+  print_warnings(common, input.warnings);
+  const EnvironmentMap environment = to_latlong(std::move(input.image));
   const HeadlessContext context;
   Progress progress(common, "measuring", "rounds");
   progress.note("baking what to draw with");

@@ -14,13 +14,12 @@ std::string without_folders(const std::string& warning) {
 
 }  // namespace
 
-void print_warnings(const CommonOptions& common, const std::vector<std::string>& warnings) {
-  for (const std::string& warning : warnings) print_note(common, "warning: " + warning);
-}
-
 void keep_assumptions(Metadata& metadata, const std::vector<std::string>& warnings) {
   std::string lines = find_text(metadata, "assumptions").value_or("");
-  for (const std::string& warning : warnings) lines += (lines.empty() ? "" : "\n") + without_folders(warning);
+  for (const std::string& warning : warnings) {
+    const std::string line = without_folders(warning);
+    if (("\n" + lines + "\n").find("\n" + line + "\n") == std::string::npos) lines += (lines.empty() ? "" : "\n") + line;
+  }
   if (!lines.empty()) metadata["assumptions"] = lines;
 }
 

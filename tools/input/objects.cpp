@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
-#include "tools/input/assumptions.h"
 #include "tracer/gltf/loader.h"
 
 namespace ivory {

@@ -76,6 +76,7 @@ SceneInput load_scene_input(const std::string& path, const SceneOptions& options
     EnvironmentInput map = load_environment_input(environment);
     loaded.scene.environment = to_latlong(std::move(map.image));
     origin.merge(map.origin);
+    loaded.warnings.insert(loaded.warnings.end(), map.warnings.begin(), map.warnings.end());
   }
   if (extend) extend(loaded.scene);
   print_warnings(common, loaded.warnings);

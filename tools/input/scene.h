@@ -46,7 +46,7 @@ void check_environment(const std::string& path, const Metadata& metadata, const 
 void check_scale(const std::string& path, const Metadata& metadata, const Metadata& scene);
 
 // Loads `path` and, unless its path is empty, the environment map, resampled to lat-long where it has another
-// layout; prints the loader's warnings as notes. `extend`, unless empty, may add to the scene before the rest is
+// layout; prints the warnings of both as notes. `extend`, unless empty, may add to the scene before the rest is
 // built from it. Throws Error as load_gltf() and load_environment() do.
 SceneInput load_scene_input(const std::string& path, const SceneOptions& options, const EnvironmentChoice& environment,
                             const CommonOptions& common, const std::function<void(Scene&)>& extend = {});

@@ -75,6 +75,7 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
     print_note(common, fmt::format("warning: {} of {} points lie outside the grid and read its nearest vertices",
                                    outside, table.p.size()));
   }
+  if (scene) out.warnings = scene->warnings;
   out.facts = {{"source", std::string("grid")},
                {"guard", std::string(name_of(params.guard))},
                {"outside", std::int64_t(outside)}};

@@ -54,6 +54,7 @@ void run_probe(const ProbeOptions& options, const std::vector<ProbeSource>& sour
   nlohmann::ordered_json result{
       {"file", options.output}, {"points", table.p.size()}, {"mean_lux", {mean.x, mean.y, mean.z}}};
   result.update(to_json(estimates.facts));
+  result["warnings"] = estimates.warnings;
   print_result(common, result,
                fmt::format("{}: {} points, mean E {:.6g} {:.6g} {:.6g} lux\n", options.output, table.p.size(), mean.x,
                            mean.y, mean.z));

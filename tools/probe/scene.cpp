@@ -40,6 +40,7 @@ ProbeEstimates probe_path_traced(const PathOptions& options, const ProbeRequest&
     out.e.push_back(result.e);
     out.standard_error.push_back(result.standard_error);
   }
+  out.warnings = input.warnings;
   out.facts = {{"source", std::string("scene")},
                {"samples", std::int64_t(options.samples)},
                {"seed", std::int64_t(options.seed)}};

@@ -14,9 +14,10 @@
 namespace ivory {
 
 struct ProbeEstimates {
-  std::vector<Rgb> e;               // lux, one a point
-  std::vector<Rgb> standard_error;  // of e
-  Metadata facts;                   // for the result: what was read and how
+  std::vector<Rgb> e;                 // lux, one a point
+  std::vector<Rgb> standard_error;    // of e
+  Metadata facts;                     // for the result: what was read and how
+  std::vector<std::string> warnings;  // of all that was read, printed already
 };
 
 struct ProbeRequest {

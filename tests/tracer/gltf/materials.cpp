@@ -4,6 +4,7 @@
 
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
+#include <webp/encode.h>
 
 #include "grid/base/error.h"
 #include "tests/support/gltf_check.h"
@@ -231,6 +232,18 @@ TEST(GltfMaterials, ImagesKeepTheirColourBehindAlpha) {
   std::filesystem::rename(GltfBuilder::folder() + "/rgb%20space.png", GltfBuilder::folder() + "/rgb space.png");
   scene = load(textured({{"uri", "rgb%20space.png"}}).write("image_rgb")).scene;
   EXPECT_EQ(scene.images.at(0).rgba, (std::vector<std::uint8_t>{1, 2, 3, 255}));
+
+  // As WebP, which image libraries like to multiply by alpha.
+  const std::vector<std::uint8_t> rgba{200, 100, 50, 16, 10, 20, 30, 128};
+  std::uint8_t* webp = nullptr;
+  const std::size_t size = WebPEncodeLosslessRGBA(rgba.data(), 2, 1, 8, &webp);
+  GltfBuilder::write_file(GltfBuilder::folder() + "/alpha.webp", {reinterpret_cast<const char*>(webp), size});
+  WebPFree(webp);
+  GltfBuilder as_webp = textured({{"uri", "alpha.webp"}, {"mimeType", "image/webp"}});
+  as_webp.use_extension("EXT_texture_webp");
+  as_webp.root["textures"] = {{{"extensions", {{"EXT_texture_webp", {{"source", 0}}}}}}};
+  scene = load(as_webp.write("image_webp")).scene;
+  EXPECT_EQ(scene.images.at(0).rgba, rgba);
 
   // From a buffer view.
   const std::string png = read_file(GltfBuilder::folder() + "/alpha.png");

@@ -45,6 +45,7 @@ ViewObject load_object(ViewSession& session, const std::string& path, const V3f&
 void set_environment(ViewSession& session, const EnvironmentChoice& choice) {
   constexpr int difmap_size = 64;
   EnvironmentInput input = load_environment_input(choice);
+  append(session.notes, input.warnings, "warning: ");
   DifMap difmap;
   difmap.e = bake_irradiance(make_irradiance_tree(input.image), difmap_size).e;
   difmap.metadata = input.origin;
@@ -219,7 +220,9 @@ std::string add_file(ViewSession& session, const std::string& path, const std::o
 void set_reference(ViewSession& session, const std::string& path, const Imath::V2i& size) {
   ReferencePicture reference;
   reference.path = path;
-  reference.film = read_image(path);
+  ImageFile file = read_image_file(path);
+  append(session.notes, file.warnings, "warning: ");
+  reference.film = std::move(file.film);
   reference.is_display = !is_linear_image(path);
   const Film& film = reference.film;
   if (film.width != size.x || film.height != size.y) {
