@@ -226,8 +226,10 @@ Ray spawn_ray(const Surface& surface, const V3f& w, std::uint32_t coverage_seed)
           .coverage_seed = coverage_seed};
 }
 
-Rgb emission_at(const Scene& scene, int instance, int triangle, const V2f& barycentric) {
-  return emission(scene, locate(scene, instance, triangle, barycentric));
+Rgb emission_at(const Scene& scene, int mesh_index, int triangle, const V2f& barycentric) {
+  const Mesh& mesh = scene.meshes[std::size_t(mesh_index)];
+  const M44f nowhere;  // what is emitted does not depend on the place
+  return emission(scene, {mesh, scene.materials[std::size_t(mesh.material)], nowhere, triangle, barycentric});
 }
 
 float coverage_at(const Scene& scene, int mesh_index, int triangle, const V2f& barycentric) {

@@ -32,6 +32,8 @@ constexpr double bytes_per_instance = 640;
 // Of a mesh of its own: what scene.h stores for a vertex with two sets of coordinates, and Embree's copy and hierarchy.
 constexpr double bytes_per_vertex = 88;
 constexpr double bytes_per_triangle = 96;
+// A spherical light's 5120 triangles and their places in the tables of emitters, 220 bytes each.
+constexpr double bytes_per_sphere_light = 5120 * (bytes_per_triangle + 220) + 2562 * bytes_per_vertex;
 
 M44f to_float(const M44d& m) {
   M44f result;
@@ -247,6 +249,10 @@ class Placer {
 }  // namespace
 
 void place_nodes(Document& document, const MeshSet& meshes, const LoadParams& params, Scene& scene) {
+  double sphere_lights = 0;
+  for (std::size_t i = 0; i < document.model.nodes.size(); ++i)
+    sphere_lights += read_sphere_light(document, i, M44f()) ? 1 : 0;
+  check_memory(document.path, sphere_lights * bytes_per_sphere_light, "place fewer spherical lights");
   const std::vector<int> parents = find_parents(document);
   // Of all nodes, so that a broken one is found even where this scene does not use it.
   std::vector<M44d> locals;
