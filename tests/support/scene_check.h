@@ -97,7 +97,7 @@ struct CheckLight {
   }
   std::string operator()(const SpotLight& l) const {
     const bool good = strength(l.intensity_cd) && finite(l.position) && unit(l.direction) && l.inner_angle_rad >= 0 &&
-                      l.inner_angle_rad < l.outer_angle_rad && l.outer_angle_rad <= 1.5707964F;
+                      l.inner_angle_rad <= l.outer_angle_rad && l.outer_angle_rad > 0 && l.outer_angle_rad <= 1.5707964F;
     return good ? "" : "spot";
   }
   std::string operator()(const DirectionalLight& l) const {

@@ -149,8 +149,8 @@ struct SpotLight {
   V3f position;
   V3f direction;  // unit, the way the light shines
   Rgb intensity_cd;
-  float inner_angle_rad = 0;
-  float outer_angle_rad = pi / 4;
+  float inner_angle_rad = 0;       // up to the outer angle: a hard edge
+  float outer_angle_rad = pi / 4;  // above 0, up to pi / 2
 };
 struct DirectionalLight {
   V3f direction;  // unit, the way the light travels

@@ -89,6 +89,22 @@ std::vector<int> find_parents(const Document& document) {
   return parents;
 }
 
+std::vector<M44d> world_matrices(const Document& document) {
+  const std::vector<int> parents = find_parents(document);
+  std::vector<M44d> matrices(parents.size());
+  std::vector<std::size_t> open;
+  for (std::size_t i = 0; i < parents.size(); ++i)
+    if (parents[i] == no_index) open.push_back(i);
+  while (!open.empty()) {
+    const std::size_t node = open.back();
+    open.pop_back();
+    matrices[node] = local_matrix(document, node);
+    if (parents[node] != no_index) matrices[node] = matrices[node] * matrices[std::size_t(parents[node])];
+    for (const int child : document.model.nodes[node].children) open.push_back(std::size_t(child));
+  }
+  return matrices;
+}
+
 std::vector<int> root_nodes(Document& document, const std::vector<int>& parents) {
   const tinygltf::Model& model = document.model;
   for (std::size_t s = 0; s < model.scenes.size(); ++s) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include <ImathMatrixAlgo.h>
 #include <fmt/format.h>
@@ -29,9 +30,6 @@ constexpr double min_scale = 1e-6;
 // The Instance, its matrix in double precision, and Embree's instance with its share of the hierarchy: 514 bytes as
 // measured at the peak, and a quarter more.
 constexpr double bytes_per_instance = 640;
-// Of a mesh of its own: what scene.h stores for a vertex with two sets of coordinates, and Embree's copy and hierarchy.
-constexpr double bytes_per_vertex = 88;
-constexpr double bytes_per_triangle = 96;
 
 M44f to_float(const M44d& m) {
   M44f result;
@@ -60,28 +58,33 @@ class Placer {
       scene_.instances.back().node = int(index);
     }
     if (node.mesh < 0) return;
-    if (const json* instancing = find_extension(source, "EXT_mesh_gpu_instancing")) {
-      for (const M44d& local : instance_matrices(index, *instancing))
-        add_mesh(index, std::size_t(node.mesh), local * world);
+    const json* instancing = find_extension(source, "EXT_mesh_gpu_instancing");
+    if (instancing != nullptr && node.skin >= 0) {
+      document_.warn(node_label(document_, index) + " instances a skinned mesh; its joints place it, once");
+      instancing = nullptr;
+    }
+    if (instancing != nullptr) {
+      for (const M44d& local : instance_matrices(index, *instancing)) add_mesh(index, local * world);
     } else {
       count_instances(index, 1);
-      add_mesh(index, std::size_t(node.mesh), world);
+      add_mesh(index, world);
     }
-    warn_of_pose(index);
+  }
+
+  // An unlit surface shows its colour whatever light falls on it, and in the programs that such files come from neither
+  // shines nor throws a shadow: a dome with a picture of the sky must not put out the sun behind it.
+  void warn_of_unlit() {
+    for (const auto& [material, triangles] : unlit_triangles_)
+      document_.warn(fmt::format(
+          "{} is unlit: its surfaces neither shine, nor hide or receive light, and are left out ({} triangles)",
+          label("materials", std::size_t(material), document_.model.materials[std::size_t(material)].name), triangles));
   }
 
  private:
-  void warn_of_pose(std::size_t index) {
-    const tinygltf::Node& node = document_.model.nodes[index];
-    if (node.skin >= 0) document_.warn(node_label(document_, index) + " is skinned; its mesh is placed as modelled");
-    if (!node.weights.empty() && node.weights != document_.model.meshes[std::size_t(node.mesh)].weights)
-      document_.warn(node_label(document_, index) + " has morph weights of its own, which are ignored");
-  }
-
   // A few bytes of file can place any number: an accessor of zeros that instances a mesh, many nodes that share a
   // mesh of many primitives.
   void count_instances(std::size_t node, std::size_t count) {
-    const std::vector<int>& primitives = meshes_.of_mesh[std::size_t(document_.model.nodes[node].mesh)];
+    const std::vector<int>& primitives = meshes_.of_node[node];
     bytes_ += double(count) * double(primitives.size()) * bytes_per_instance;
     check_memory(document_.path, bytes_, "place fewer instances");
   }
@@ -116,17 +119,26 @@ class Placer {
     return matrices;
   }
 
-  void add_mesh(std::size_t node, std::size_t mesh, const M44d& world) {
+  void add_mesh(std::size_t node, const M44d& world) {
+    for (const int primitive : meshes_.of_node[node]) {
+      if (const int unlit = meshes_.unlit[std::size_t(primitive)]; unlit != no_index) {
+        unlit_triangles_[unlit] += scene_.meshes[std::size_t(primitive)].triangles.size();
+        continue;
+      }
+      const std::optional<V3d>& origin = meshes_.world_origin[std::size_t(primitive)];
+      add_primitive(node, primitive, origin ? M44d().setTranslation(*origin) : world);
+    }
+  }
+
+  void add_primitive(std::size_t node, int primitive, const M44d& world) {
     const double sides[] = {row(world, 0).length(), row(world, 1).length(), row(world, 2).length()};
     const double volume = std::abs(row(world, 0).cross(row(world, 1)).dot(row(world, 2)));
     const bool flat =
         std::min({sides[0], sides[1], sides[2]}) < min_scale || volume < 1e-7 * sides[0] * sides[1] * sides[2];
-    for (const int primitive : meshes_.of_mesh[mesh]) {
-      Instance instance{primitive, to_float(world), int(node)};
-      if (flat && !add_flat_mesh(node, instance)) continue;
-      check_extent(node, instance);
-      scene_.instances.push_back(instance);
-    }
+    Instance instance{primitive, to_float(world), int(node)};
+    if (flat && !add_flat_mesh(node, instance)) return;
+    check_extent(node, instance);
+    scene_.instances.push_back(instance);
   }
 
   // A transform that loses a dimension has no inverse, which shading and ray tracing need. What it
@@ -226,12 +238,33 @@ class Placer {
       scene_.lights.emplace_back(DirectionalLight{direction, strength});
     } else if (type == "spot") {
       SpotLight spot{position, direction, strength};
-      spot.inner_angle_rad = light["spot"].value("innerConeAngle", 0.0F);
-      spot.outer_angle_rad = light["spot"].value("outerConeAngle", pi / 4);
-      scene_.lights.emplace_back(spot);
+      if (read_cone(light["spot"], what, spot)) scene_.lights.emplace_back(spot);
     } else {
       document_.warn(what + " is of unknown type '" + type + "' and left out");
     }
+  }
+
+  // What exporters write beside the specification is mended: Blender has equal angles for a hard edge. False where the
+  // cone has no width.
+  bool read_cone(const json& source, const std::string& what, SpotLight& spot) {
+    constexpr double right_angle = 1.5707963267948966;
+    double outer = source.value("outerConeAngle", 0.25 * double(pi));
+    double inner = source.value("innerConeAngle", 0.0);
+    if (!(outer >= 1e-6)) {
+      document_.warn(what + " has a cone without width: it lights nothing and is left out");
+      return false;
+    }
+    if (outer > right_angle * (1 + 1e-6)) {
+      document_.warn(fmt::format("{} has an outer cone of {} rad; pi / 2, the most there is, is taken", what, outer));
+    }
+    outer = std::min(outer, right_angle);
+    if (inner >= outer) {
+      document_.warn(fmt::format("{} has an inner cone {} its outer one: its edge is taken as hard, at {} rad", what,
+                                 inner == outer ? "equal to" : "wider than", outer));
+    }
+    spot.outer_angle_rad = float(outer);
+    spot.inner_angle_rad = std::min(float(inner), spot.outer_angle_rad);
+    return true;
   }
 
   static V3d row(const M44d& m, int i) { return {m[i][0], m[i][1], m[i][2]}; }
@@ -240,6 +273,7 @@ class Placer {
   const MeshSet& meshes_;
   Scene& scene_;
   std::vector<Box3f> local_bounds_;
+  std::map<int, std::size_t> unlit_triangles_;  // by the file's material
   double bytes_ = 0;  // of what is placed, here and in the ray tracer
 };
 
@@ -272,6 +306,7 @@ void place_nodes(Document& document, const MeshSet& meshes, Scene& scene) {
     for (auto child = children.rbegin(); child != children.rend(); ++child)
       open.push_back({std::size_t(*child), world, visible});
   }
+  placer.warn_of_unlit();
 }
 
 }  // namespace ivory::gltf
