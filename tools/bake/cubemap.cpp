@@ -26,6 +26,7 @@ namespace {
 struct BakeCubemapOptions {
   std::string scene;
   std::string output;
+  SceneOptions load;
   EnvironmentChoice environment;
   ShellFit shell = ShellFit::fitted;
   std::vector<std::string> without;
@@ -65,7 +66,7 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& co
   if (options.capture % options.size != 0)
     throw UsageError(fmt::format("--size {} does not divide --capture {}", options.size, options.capture));
   check_output(options.output, ".exr", common);
-  const auto input = load_scene_input(options.scene, options.environment, common, [&](Scene& scene) {
+  const auto input = load_scene_input(options.scene, options.load, options.environment, common, [&](Scene& scene) {
     for (const std::string& node : options.without) remove_node(scene, node);
   });
   if (input.lit.lights.empty())
@@ -158,6 +159,7 @@ void add_bake_cubemap_command(Command bake, CommonOptions& common) {
   command.add_count("--samples", options->samples, 1, 1'000'000, "Paths a captured texel");
   command.add_count("--seed", options->seed, "Seed of the random numbers");
   add_environment_options(command, options->environment);
+  add_scene_options(command, options->load);
   command
       .add_option("--without", options->without,
                   "A node of the scene to leave out, with all below it: an object\nthat will move; may be repeated")

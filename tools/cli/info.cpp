@@ -74,11 +74,11 @@ Json spheres_json(const std::string& path) {
   return json;
 }
 
-Json scene_json(const std::string& path, const CommonOptions& common) {
+Json scene_json(const std::string& path, const SceneOptions& options, const CommonOptions& common) {
   // The warnings are part of the result here.
   CommonOptions silent = common;
   silent.quiet = true;
-  const auto input = load_scene_input(path, {}, silent);
+  const auto input = load_scene_input(path, options, {}, silent);
   const Scene& scene = *input.lit.scene;
   std::size_t triangles = 0;
   std::size_t placed = 0;
@@ -158,11 +158,11 @@ std::string text_of(const Json& value) {
   return text;
 }
 
-void run_info(const std::string& path, const CommonOptions& common) {
+void run_info(const std::string& path, const SceneOptions& options, const CommonOptions& common) {
   Json json{{"file", path}};
   switch (const FileKind kind = file_kind(path)) {
     case FileKind::scene:
-      json.update(scene_json(path, common));
+      json.update(scene_json(path, options, common));
       break;
     case FileKind::grid:
       json.update(vdb_json(path));
@@ -204,15 +204,17 @@ void run_info(const std::string& path, const CommonOptions& common) {
 void add_info_command(Command app, CommonOptions& common) {
   Command command = app.add_subcommand("info", "What a file holds and how it was made: assets, parts, scenes, images");
   auto path = std::make_shared<std::string>();
+  auto options = std::make_shared<SceneOptions>();
   command.add_option("file", *path, "File: .vdb, .gltf, .glb, a baked .exr or .json, or an image")
       .required()
       .type_name("FILE");
+  add_scene_options(command, *options);
   command.footer(
       "Lengths are in metres, powers in lumen (R G B), irradiance in lux.\n"
       "\nExamples:\n"
       "  ivory info room.vdb\n"
       "  ivory info room.glb --json");
-  set_action(command, common, Output::none, [path, &common] { run_info(*path, common); });
+  set_action(command, common, Output::none, [path, options, &common] { run_info(*path, *options, common); });
 }
 
 }  // namespace ivory

@@ -2,11 +2,19 @@
 
 #include <filesystem>
 
+#include <fmt/format.h>
+
 #include "grid/base/error.h"
 #include "grid/io/file.h"
 #include "tracer/gltf/loader.h"
 
 namespace ivory {
+
+namespace {
+
+const std::string scale_key = "scene_scale";  // of assets' metadata; none stands for 1
+
+}  // namespace
 
 bool is_scene_name(const std::string& path) {
   const std::string extension = lower_extension(path);
@@ -27,12 +35,42 @@ void check_environment(const std::string& path, const Metadata& metadata, const 
   throw Error(path, "was baked for an environment (" + known + ")", "give that by --env, or bake it without");
 }
 
-SceneInput load_scene_input(const std::string& path, const EnvironmentChoice& environment, const CommonOptions& common,
-                            const std::function<void(Scene&)>& extend) {
-  LoadedScene loaded = load_gltf(path);
+void check_scale(const std::string& path, const Metadata& metadata, const Metadata& scene) {
+  const auto same = [&](const char* key) {
+    const auto baked = find_text(metadata, key);
+    return baked && baked == find_text(scene, key);
+  };
+  if (!same("scene") && !same("scene_hash")) return;
+  const double baked = find_number(metadata, scale_key).value_or(1);
+  const double taken = find_number(scene, scale_key).value_or(1);
+  if (baked == taken) return;
+  throw Error(path, fmt::format("was baked with --scale {} and the scene is taken with --scale {}", baked, taken),
+              fmt::format("give --scale {}, or bake it again", baked));
+}
+
+std::vector<std::string> add_scene_options(Command command, SceneOptions& options, const std::string& group) {
+  Option scale =
+      command
+          .add_option("--scale", options.load.scale,
+                      "Metres a unit of glTF files, for models that are not in metres: 0.01 for centimetres.\n"
+                      "Light keeps its units, and positions given here are metres")
+          .within(1e-6, 1e6)
+          .type_name("FACTOR");
+  if (!group.empty()) scale.group(group);
+  return {"--scale"};
+}
+
+void describe(const SceneOptions& options, Metadata& metadata) {
+  if (options.load.scale != 1) metadata[scale_key] = options.load.scale;
+}
+
+SceneInput load_scene_input(const std::string& path, const SceneOptions& options, const EnvironmentChoice& environment,
+                            const CommonOptions& common, const std::function<void(Scene&)>& extend) {
+  LoadedScene loaded = load_gltf(path, options.load);
   Metadata origin;
   origin["scene"] = std::filesystem::path(path).filename().string();
   origin["scene_hash"] = loaded.scene.content_hash;
+  describe(options, origin);
   if (!environment.path.empty()) {
     EnvironmentInput map = load_environment_input(environment);
     loaded.scene.environment = to_latlong(std::move(map.image));

@@ -46,7 +46,8 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
 
   std::optional<SceneInput> scene;
   if (!options.scene.empty()) {
-    scene = load_scene_input(options.scene, {}, common);
+    scene = load_scene_input(options.scene, request.load, {}, common);
+    check_scale(request.source, grid.metadata, scene->origin);
     const auto baked = find_text(grid.metadata, "scene_hash");
     if (baked && *baked != scene->lit.scene->content_hash)
       print_note(common, "warning: " + options.scene + " has changed since " + request.source + " was baked");
@@ -99,6 +100,7 @@ ProbeSource make_grid_source(Command command) {
   ProbeSource source;
   source.name = "grids";
   source.options = {"--scene", "--guard", "--interpolation", "--reconstruction", "--nudge"};
+  source.reads_scenes = true;
   source.matches = [](const std::string& path) { return lower_extension(path) == ".vdb"; };
   source.probe = [options](const ProbeRequest& request) { return probe_grid(*options, request); };
   return source;

@@ -11,17 +11,17 @@ namespace ivory {
 
 namespace {
 
-struct SceneOptions {
+struct PathOptions {
   EnvironmentChoice environment;
   int samples = 1024;
   std::uint64_t seed = 1;
   int bounces = ProbeParams{}.max_bounces;
 };
 
-ProbeEstimates probe_path_traced(const SceneOptions& options, const ProbeRequest& request) {
+ProbeEstimates probe_path_traced(const PathOptions& options, const ProbeRequest& request) {
   const PointsTable& table = request.table;
   const CommonOptions& common = request.common;
-  const auto input = load_scene_input(request.source, options.environment, common);
+  const auto input = load_scene_input(request.source, request.load, options.environment, common);
   std::vector<ProbePoint> points;
   for (std::size_t i = 0; i < table.p.size(); ++i) points.push_back({table.p[i], table.n[i]});
   ProbeParams params;
@@ -49,7 +49,7 @@ ProbeEstimates probe_path_traced(const SceneOptions& options, const ProbeRequest
 }  // namespace
 
 ProbeSource make_scene_source(Command command) {
-  auto options = std::make_shared<SceneOptions>();
+  auto options = std::make_shared<PathOptions>();
   const std::string scenes = "For scenes";
   add_environment_options(command, options->environment, scenes);
   command.add_count("--samples", options->samples, 2, 2'000'000'000, "Paths a point").group(scenes);
@@ -58,6 +58,7 @@ ProbeSource make_scene_source(Command command) {
   ProbeSource source;
   source.name = "scenes";
   source.options = {"--env", "--layout", "--samples", "--seed", "--bounces"};
+  source.reads_scenes = true;
   source.matches = is_scene_name;
   source.probe = [options](const ProbeRequest& request) { return probe_path_traced(*options, request); };
   return source;

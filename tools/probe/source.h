@@ -9,6 +9,7 @@
 #include "grid/base/metadata.h"
 #include "tools/cli/common.h"
 #include "tools/input/points.h"
+#include "tools/input/scene.h"
 
 namespace ivory {
 
@@ -22,12 +23,14 @@ struct ProbeRequest {
   std::string source;
   const PointsTable& table;
   bool indirect_only;  // leave out light straight from its sources
+  const SceneOptions& load;
   const CommonOptions& common;
 };
 
 struct ProbeSource {
   std::string name;                                      // plural, for messages: "grids"
   std::vector<std::string> options;                      // that it reads: "--guard"
+  bool reads_scenes = false;                             // does it read those of add_scene_options() too?
   std::function<bool(const std::string& path)> matches;  // by name and, for EXR files, header
   std::function<ProbeEstimates(const ProbeRequest&)> probe;
 };

@@ -31,6 +31,7 @@ struct RenderOptions {
   std::string scene;
   std::vector<std::string> outputs;  // one picture in several formats
   std::string method = "path";
+  SceneOptions load;
   EnvironmentChoice environment;
   std::string camera;
   std::vector<SphereLight> sphere_lights;
@@ -125,8 +126,8 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
       throw UsageError("--output: " + output + " is given twice");
   }
   std::vector<bool> is_object;
-  const auto input = load_scene_input(options.scene, options.environment, common, [&](Scene& scene) {
-    is_object = place_objects(scene, options.objects, common);
+  const auto input = load_scene_input(options.scene, options.load, options.environment, common, [&](Scene& scene) {
+    is_object = place_objects(scene, options.objects, options.load, common);
     for (const SphereLight& light : options.sphere_lights) add_sphere_light(scene, light, "--sphere-light");
     if (method.extend) method.extend(scene);
     is_object.resize(scene.instances.size(), false);
@@ -188,6 +189,7 @@ void add_render_command(Command app, CommonOptions& common) {
                   "The scene's camera, by name or index [the first; a framing view where it has none]")
       .type_name("NAME|INDEX");
   add_environment_options(command, options->environment);
+  add_scene_options(command, options->load);
   command
       .add_option("--object", options->objects,
                   "An object that moves: a model placed in the scene, or a node of the scene; may be repeated.\n"

@@ -29,7 +29,7 @@ void drop_unused_meshes(Scene& scene) {
 
 }  // namespace
 
-LoadedScene load_gltf(const std::string& path) {
+LoadedScene load_gltf(const std::string& path, const LoadParams& params) {
   gltf::Document document;
   document.path = path;
   gltf::read_json(document);
@@ -46,7 +46,7 @@ LoadedScene load_gltf(const std::string& path) {
   scene.textures = gltf::make_textures(document);
   gltf::MeshSet meshes = gltf::make_meshes(document, scene.materials);
   scene.meshes = std::move(meshes.meshes);
-  gltf::place_nodes(document, meshes, scene);
+  gltf::place_nodes(document, meshes, params, scene);
   drop_unused_meshes(scene);
   if (scene.instances.empty()) document.warn("has no triangles in its scene");
 

@@ -8,6 +8,11 @@
 
 namespace ivory {
 
+// How a file is taken.
+struct LoadParams {
+  double scale = 1;  // metres a unit of the file: multiplies positions, not light (candela, lux and nits stay)
+};
+
 struct LoadedScene {
   Scene scene;
   std::vector<std::string> warnings;  // one line each: what was ignored or mended, and where
@@ -29,6 +34,6 @@ struct LoadedScene {
 // Nodes that share a mesh share it in the Scene, but for those that pose it by morph weights of their own or by a skin.
 // Points and lines are left out. Tangents are made from the uv derivatives where a normal map needs them and the file
 // brings none.
-LoadedScene load_gltf(const std::string& path);
+LoadedScene load_gltf(const std::string& path, const LoadParams& params = {});
 
 }  // namespace ivory

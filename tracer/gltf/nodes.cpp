@@ -40,8 +40,8 @@ M44f to_float(const M44d& m) {
 
 class Placer {
  public:
-  Placer(Document& document, const MeshSet& meshes, Scene& scene)
-      : document_(document), meshes_(meshes), scene_(scene) {}
+  Placer(Document& document, const MeshSet& meshes, const LoadParams& params, Scene& scene)
+      : document_(document), meshes_(meshes), scale_(params.scale), scene_(scene) {}
 
   void place(std::size_t index, const M44d& world, bool visible) {
     const tinygltf::Node& node = document_.model.nodes[index];
@@ -185,7 +185,7 @@ class Placer {
     }
   }
 
-  // Right-handed, without scale: neither zooms a camera, nor may it mirror the picture.
+  // Right-handed, without scale: a node neither zooms a camera, nor may it mirror the picture.
   void add_camera(std::size_t node, std::size_t index, const M44d& world) {
     const tinygltf::Camera& source = document_.model.cameras[index];
     const V3d z = row(world, 2).normalized();
@@ -209,7 +209,7 @@ class Placer {
     if (camera.perspective)
       camera.yfov_rad = float(source.perspective.yfov);
     else
-      camera.ymag_m = float(source.orthographic.ymag);
+      camera.ymag_m = float(source.orthographic.ymag * scale_);
     scene_.cameras.push_back(camera);
   }
 
@@ -271,6 +271,7 @@ class Placer {
 
   Document& document_;
   const MeshSet& meshes_;
+  double scale_;  // metres a unit of the file
   Scene& scene_;
   std::vector<Box3f> local_bounds_;
   std::map<int, std::size_t> unlit_triangles_;  // by the file's material
@@ -279,7 +280,7 @@ class Placer {
 
 }  // namespace
 
-void place_nodes(Document& document, const MeshSet& meshes, Scene& scene) {
+void place_nodes(Document& document, const MeshSet& meshes, const LoadParams& params, Scene& scene) {
   const std::vector<int> parents = find_parents(document);
   // Of all nodes, so that a broken one is found even where this scene does not use it.
   std::vector<M44d> locals;
@@ -289,12 +290,15 @@ void place_nodes(Document& document, const MeshSet& meshes, Scene& scene) {
     M44d parent_world;
     bool visible;
   };
+  M44d file_to_scene;
+  file_to_scene.setScale(params.scale);
   std::vector<Open> open;
   const std::vector<int> roots = root_nodes(document, parents);
-  for (auto root = roots.rbegin(); root != roots.rend(); ++root) open.push_back({std::size_t(*root), M44d(), true});
+  for (auto root = roots.rbegin(); root != roots.rend(); ++root)
+    open.push_back({std::size_t(*root), file_to_scene, true});
   for (std::size_t i = 0; i < parents.size(); ++i)
     scene.nodes.push_back({document.model.nodes[i].name, parents[i], read_fiv_table(document, i)});
-  Placer placer(document, meshes, scene);
+  Placer placer(document, meshes, params, scene);
   while (!open.empty()) {
     const Open current = open.back();
     open.pop_back();

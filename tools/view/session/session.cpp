@@ -34,7 +34,7 @@ void add_object(ViewSession& session, ViewObject object) {
 }
 
 ViewObject load_object(ViewSession& session, const std::string& path, const V3f& offset_m) {
-  LoadedScene loaded = load_gltf(path);
+  LoadedScene loaded = load_gltf(path, session.load.load);
   append(session.notes, loaded.warnings, "warning: ");
   if (!loaded.scene.lights.empty() || !loaded.scene.sphere_lights.empty())
     session.notes.push_back(fmt::format("note: the lights of {} are left out", path));
@@ -114,7 +114,8 @@ std::size_t ViewSession::bytes() const {
 
 ViewSession open_session(const SessionInput& input) {
   ViewSession session;
-  LoadedScene loaded = load_gltf(input.scene);
+  session.load = input.load;
+  LoadedScene loaded = load_gltf(input.scene, input.load.load);
   append(session.notes, loaded.warnings, "warning: ");
   std::vector<ViewObject> objects;
   if (input.paths.size() > input.objects.size())
