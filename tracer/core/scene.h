@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <variant>
@@ -139,6 +140,9 @@ struct Camera {
   bool perspective = true;
   float yfov_rad = 0.8F;  // perspective
   float ymag_m = 1;       // orthographic half height
+  // What lies nearer or farther along the direction it looks in is not seen.
+  float near_m = 0;
+  float far_m = std::numeric_limits<float>::infinity();
 };
 
 struct PointLight {

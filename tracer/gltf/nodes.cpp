@@ -40,10 +40,16 @@ M44f to_float(const M44d& m) {
 
 class Placer {
  public:
-  Placer(Document& document, const MeshSet& meshes, const LoadParams& params, Scene& scene)
-      : document_(document), meshes_(meshes), scale_(params.scale), scene_(scene) {}
+  Placer(Document& document, const MeshSet& meshes, const LoadParams& params, const M44d& file_to_scene, Scene& scene)
+      : document_(document),
+        meshes_(meshes),
+        scale_(params.scale),
+        file_to_scene_(file_to_scene),
+        scene_(scene),
+        left_out_materials_(scene.materials.size(), 0) {}
 
-  void place(std::size_t index, const M44d& world, bool visible) {
+  // `left_out`: by the caller's wish, for what its file would show.
+  void place(std::size_t index, const M44d& world, bool visible, bool left_out) {
     const tinygltf::Node& node = document_.model.nodes[index];
     const json& source = element(document_, "nodes", index);
     for (int i = 0; i < 16; ++i)
@@ -51,6 +57,11 @@ class Placer {
         document_.fail(node_label(document_, index) + " has a transform that is not finite", remedy);
     if (node.camera >= 0) add_camera(index, std::size_t(node.camera), world);
     if (!visible) return;
+    if (left_out) {
+      for (const int primitive : meshes_.of_node[index])
+        left_out_materials_[std::size_t(scene_.meshes[std::size_t(primitive)].material)] = 1;
+      return;
+    }
     if (const json* light = find_extension(source, "KHR_lights_punctual"))
       add_light(index, (*light)["light"].get<std::size_t>(), world);
     if (const std::optional<SphereLight> light = read_sphere_light(document_, index, to_float(world))) {
@@ -79,6 +90,8 @@ class Placer {
           "{} is unlit: its surfaces neither shine, nor hide or receive light, and are left out ({} triangles)",
           label("materials", std::size_t(material), document_.model.materials[std::size_t(material)].name), triangles));
   }
+
+  std::vector<char> left_out_materials() const { return left_out_materials_; }
 
  private:
   // A few bytes of file can place any number: an accessor of zeros that instances a mesh, many nodes that share a
@@ -126,7 +139,7 @@ class Placer {
         continue;
       }
       const std::optional<V3d>& origin = meshes_.world_origin[std::size_t(primitive)];
-      add_primitive(node, primitive, origin ? M44d().setTranslation(*origin) : world);
+      add_primitive(node, primitive, origin ? M44d().setTranslation(*origin) * file_to_scene_ : world);
     }
   }
 
@@ -210,6 +223,10 @@ class Placer {
       camera.yfov_rad = float(source.perspective.yfov);
     else
       camera.ymag_m = float(source.orthographic.ymag * scale_);
+    camera.near_m = float((camera.perspective ? source.perspective.znear : source.orthographic.znear) * scale_);
+    // tinygltf has 0 where a perspective camera has no far plane.
+    const double far = camera.perspective ? source.perspective.zfar : source.orthographic.zfar;
+    if (far > 0) camera.far_m = float(far * scale_);
     scene_.cameras.push_back(camera);
   }
 
@@ -272,15 +289,17 @@ class Placer {
   Document& document_;
   const MeshSet& meshes_;
   double scale_;  // metres a unit of the file
+  M44d file_to_scene_;
   Scene& scene_;
   std::vector<Box3f> local_bounds_;
   std::map<int, std::size_t> unlit_triangles_;  // by the file's material
-  double bytes_ = 0;  // of what is placed, here and in the ray tracer
+  std::vector<char> left_out_materials_;        // [material]
+  double bytes_ = 0;                            // of what is placed, here and in the ray tracer
 };
 
 }  // namespace
 
-void place_nodes(Document& document, const MeshSet& meshes, const LoadParams& params, Scene& scene) {
+std::vector<char> place_nodes(Document& document, const MeshSet& meshes, const LoadParams& params, Scene& scene) {
   const std::vector<int> parents = find_parents(document);
   // Of all nodes, so that a broken one is found even where this scene does not use it.
   std::vector<M44d> locals;
@@ -289,28 +308,32 @@ void place_nodes(Document& document, const MeshSet& meshes, const LoadParams& pa
     std::size_t node;
     M44d parent_world;
     bool visible;
+    bool left_out;
   };
+  const std::vector<char> unwanted = find_nodes(document, params.without);
   M44d file_to_scene;
   file_to_scene.setScale(params.scale);
   std::vector<Open> open;
   const std::vector<int> roots = root_nodes(document, parents);
   for (auto root = roots.rbegin(); root != roots.rend(); ++root)
-    open.push_back({std::size_t(*root), file_to_scene, true});
+    open.push_back({std::size_t(*root), file_to_scene, true, false});
   for (std::size_t i = 0; i < parents.size(); ++i)
     scene.nodes.push_back({document.model.nodes[i].name, parents[i], read_fiv_table(document, i)});
-  Placer placer(document, meshes, params, scene);
+  Placer placer(document, meshes, params, file_to_scene, scene);
   while (!open.empty()) {
     const Open current = open.back();
     open.pop_back();
     const M44d world = locals[current.node] * current.parent_world;
     const json* visibility = find_extension(element(document, "nodes", current.node), "KHR_node_visibility");
     const bool visible = current.visible && (visibility == nullptr || visibility->value("visible", true));
-    placer.place(current.node, world, visible);
+    const bool left_out = current.left_out || unwanted[current.node] != 0;
+    placer.place(current.node, world, visible, left_out);
     const std::vector<int>& children = document.model.nodes[current.node].children;
     for (auto child = children.rbegin(); child != children.rend(); ++child)
-      open.push_back({std::size_t(*child), world, visible});
+      open.push_back({std::size_t(*child), world, visible, left_out});
   }
   placer.warn_of_unlit();
+  return placer.left_out_materials();
 }
 
 }  // namespace ivory::gltf

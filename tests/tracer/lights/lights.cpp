@@ -47,6 +47,30 @@ TEST(Lights, PointLight) {
   EXPECT_NEAR(e.mean(), 2.0 / 4.0, 1e-6);
 }
 
+// A hard edge: all of the intensity up to the angle, none beyond, and its flux 2 pi I (1 - cos), however narrow.
+TEST(Lights, SpotsWithHardEdges) {
+  for (const float angle : {1.5F, 0.5F, 0.03F, 0.003F}) {
+    SpotLight spot;
+    spot.position = V3f(0.3F, 0.2F, -0.1F);
+    spot.direction = V3f(0, 0, 1);
+    spot.intensity_cd = Rgb(7, 7, 7);
+    spot.inner_angle_rad = spot.outer_angle_rad = angle;
+    Scene scene;
+    scene.lights.push_back(spot);
+    const LitScene lit = in_black_box(std::move(scene));
+    RandomStream random = test_stream();
+    for (const float share : {0.0F, 0.5F, 0.999F, 1.001F, 1.5F}) {
+      const float a = share * angle;
+      const V3f p = spot.position + V3f(std::sin(a), 0, std::cos(a)) * 2;
+      const auto sample = lit.lights.sample(p, random);
+      EXPECT_EQ(sample.has_value(), share < 1) << angle << " " << share;
+      if (sample) EXPECT_NEAR(sample->irradiance_weight.x, 7.0F / 4, 1e-4F) << angle << " " << share;
+    }
+    const double flux = 7 * 2 * double(pi) * 2 * std::pow(std::sin(0.5 * double(angle)), 2);
+    EXPECT_NEAR(lit.lights.total_power_lm().x, flux, 1e-5 * flux) << angle;
+  }
+}
+
 TEST(Lights, SpotLight) {
   struct Cone {
     float inner, outer;

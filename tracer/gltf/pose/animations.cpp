@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include <OpenImageIO/hash.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -134,7 +135,7 @@ std::size_t find_animation(const Document& document, const std::string& text) {
   const json& root = *document.json;
   const auto found = root.find("animations");
   const std::size_t count = found != root.end() && found->is_array() ? found->size() : 0;
-  if (count == 0) throw ParameterError("time_s", document.path + " has no animation");
+  if (count == 0) throw ParameterError("time", document.path + " has no animation");
   if (text.empty()) return 0;
   for (std::size_t i = 0; i < count; ++i)
     if ((*found)[i].value("name", std::string()) == text) return i;
@@ -228,9 +229,13 @@ class Animator {
 }  // namespace
 
 void apply_animation(Document& document, const std::string& animation, double time_s) {
-  if (!std::isfinite(time_s)) throw ParameterError("time_s", "is not finite");
+  if (!std::isfinite(time_s)) throw ParameterError("time", "is not finite");
   check_animation_schema(document);
-  Animator(document, find_animation(document, animation), time_s).run();
+  const std::size_t index = find_animation(document, animation);
+  Animator(document, index, time_s).run();
+  // What was baked at another time is of another scene.
+  const double key[] = {double(index), time_s};
+  document.hash = OIIO::xxhash::XXH64(key, sizeof key, document.hash);
 }
 
 void warn_of_animations(Document& document) {
