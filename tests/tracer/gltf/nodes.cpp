@@ -74,7 +74,7 @@ TEST(GltfLights, SpotAnglesAreMended) {
                            "lights[2] has an outer cone of 2.5 rad", "lights[3] has an outer cone of 2.5 rad",
                            "lights[4] has a cone without width"})
     EXPECT_TRUE(has_warning(loaded, word)) << word;
-  EXPECT_EQ(loaded.warnings.size(), 6U);  // lights[3] has both
+  EXPECT_EQ(loaded.warnings.size(), 7U);  // lights[3] has both, and there are no triangles
   builder.root["extensions"]["KHR_lights_punctual"]["lights"][0] = spot(-0.1, 0.5);
   EXPECT_NE(error_of(builder, "negative").find("innerConeAngle is -0.1"), std::string::npos);
 }
