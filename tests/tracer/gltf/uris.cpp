@@ -51,6 +51,7 @@ TEST(GltfUris, DataInAnyCaseAndInLines) {
 TEST(GltfUris, PathsThatAreNoUris) {
   const GltfBuilder builder = triangle();
   const std::string folder = GltfBuilder::folder();
+  fs::remove_all(folder);  // of an earlier run
   fs::create_directories(folder + "/sub");
   GltfBuilder::write_file(folder + "/sub/x.bin", bytes_of(builder));
   GltfBuilder::write_file(folder + "/100%25.bin", bytes_of(builder));
