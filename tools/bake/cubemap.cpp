@@ -16,7 +16,6 @@
 #include "tools/cli/common.h"
 #include "tools/input/assumptions.h"
 #include "tools/input/grid.h"
-#include "tools/input/objects.h"
 #include "tools/input/scene.h"
 #include "tracer/bake/cubemap/capture.h"
 
@@ -30,7 +29,6 @@ struct BakeCubemapOptions {
   SceneOptions load;
   EnvironmentChoice environment;
   ShellFit shell = ShellFit::fitted;
-  std::vector<std::string> without;
   V3f at{0, 0, 0};
   int size = 4;
   int capture = CaptureParams{}.size;
@@ -67,9 +65,7 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& co
   if (options.capture % options.size != 0)
     throw UsageError(fmt::format("--size {} does not divide --capture {}", options.size, options.capture));
   check_output(options.output, ".exr", common);
-  const auto input = load_scene_input(options.scene, options.load, options.environment, common, [&](Scene& scene) {
-    for (const std::string& node : options.without) remove_node(scene, node);
-  });
+  const auto input = load_scene_input(options.scene, options.load, options.environment, common);
   if (input.lit.lights.empty())
     throw Error(options.scene, "nothing emits light", "add a light or an emissive material, or give --env");
 
@@ -107,7 +103,6 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& co
   m["seed"] = std::int64_t(options.seed);
   m["shell"] = std::string(name_of(options.shell));
   m["units"] = std::string("nits, 1/m");
-  if (!options.without.empty()) m["without"] = fmt::format("{}", fmt::join(options.without, ", "));
   keep_assumptions(m, warnings);
   write_localized_cube(options.output, cube, common.force);
 
@@ -162,11 +157,6 @@ void add_bake_cubemap_command(Command bake, CommonOptions& common) {
   command.add_count("--seed", options->seed, "Seed of the random numbers");
   add_environment_options(command, options->environment);
   add_scene_options(command, options->load);
-  command
-      .add_option("--without", options->without,
-                  "A node of the scene to leave out, with all below it: an object\nthat will move; may be repeated")
-      .repeated()
-      .type_name("NODE");
   options->grid = add_grid_options(command, "Baked grid that indirect light is read from [path traced]");
   command.add_choice("--shell", options->shell,
                      "How corners of texels are placed: by least squares over all distances, at the distance\n"

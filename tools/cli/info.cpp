@@ -18,6 +18,7 @@
 #include "tools/input/hints.h"
 #include "tools/input/scene.h"
 #include "tools/input/vdb.h"
+#include "tracer/core/camera.h"
 
 namespace ivory {
 
@@ -114,7 +115,12 @@ Json scene_json(const std::string& path, const SceneOptions& options, const Comm
     json["bounds_max_m"] = vector_json(box.max);
   }
   json["power_lm"] = vector_json(input.lit.lights.total_power_lm());
-  json["warnings"] = input.warnings;
+  std::vector<std::string> warnings = input.warnings;
+  for (const Camera& camera : scene.cameras) {
+    if (const auto doubt = doubt_about(input.lit.intersector, make_view(path, camera, 4, 3), camera.name))
+      warnings.push_back(*doubt);
+  }
+  json["warnings"] = warnings;
   json["hints"] = hints(input.lit);
   return json;
 }

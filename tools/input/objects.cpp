@@ -94,7 +94,7 @@ std::vector<bool> place_objects(Scene& scene, const std::vector<std::string>& ob
       for (std::size_t i = 0; i < found.size(); ++i) is_object[i] = is_object[i] || found[i];
       continue;
     }
-    LoadedScene loaded = load_gltf(file->path, options.load);
+    LoadedScene loaded = load_gltf(file->path, object_params(options));
     print_warnings(common, loaded.warnings);
     if (loaded.scene.instances.empty())
       throw Error(file->path, "has no triangles", "give --object a model with a mesh");
@@ -159,8 +159,6 @@ void empty_unused(Scene& scene) {
 }
 
 }  // namespace
-
-void remove_node(Scene& scene, const std::string& name) { remove_instances(scene, instances_below(scene, name)); }
 
 Scene take_node(Scene& scene, const std::string& name) {
   const std::vector<bool> found = instances_below(scene, name);

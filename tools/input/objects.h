@@ -30,10 +30,7 @@ struct ObjectFile {
 std::optional<ObjectFile> parse_object(const std::string& text);
 
 // What a node and all below it place, as a scene of their own, taken out of `scene`. Both keep the handles that they
-// had; what neither of them shows any more is emptied. Throws UsageError as remove_node() does.
+// had; what neither of them shows any more is emptied. Throws UsageError where there is none of that name, or no mesh.
 Scene take_node(Scene& scene, const std::string& name);
-
-// Takes a node and all below it out of the scene. Throws UsageError where there is none of that name, or no mesh.
-void remove_node(Scene& scene, const std::string& name);
 
 }  // namespace ivory

@@ -57,12 +57,45 @@ std::vector<std::string> add_scene_options(Command command, SceneOptions& option
                       "Light keeps its units, and positions given here are metres")
           .within(1e-6, 1e6)
           .type_name("FACTOR");
-  if (!group.empty()) scale.group(group);
-  return {"--scale"};
+  Option time = command
+                    .add_option(
+                        "--time",
+                        [&options](const std::string& text) {
+                          options.load.time_s = parse_number(text);
+                          if (!options.load.time_s) throw UsageError("--time takes seconds, not '" + text + "'");
+                        },
+                        "Poses the scene as its animation has it then, skins and morphs too [as it is stored]")
+                    .type_name("SECONDS");
+  Option animation = command
+                         .add_option("--animation", options.load.animation,
+                                     "The animation that --time is of, by name or index [the first]")
+                         .needs(time)
+                         .type_name("NAME|INDEX");
+  Option without = command
+                       .add_option("--without", options.load.without,
+                                   "A node of the scene to leave out, by name or index, with all below it: an object\n"
+                                   "that will move; may be repeated")
+                       .repeated()
+                       .type_name("NODE");
+  if (!group.empty()) {
+    for (Option* option : {&scale, &time, &animation, &without}) option->group(group);
+  }
+  return {"--scale", "--time", "--animation", "--without"};
+}
+
+LoadParams object_params(const SceneOptions& options) {
+  LoadParams params = options.load;
+  params.time_s.reset();
+  params.animation.clear();
+  params.without.clear();
+  return params;
 }
 
 void describe(const SceneOptions& options, Metadata& metadata) {
   if (options.load.scale != 1) metadata[scale_key] = options.load.scale;
+  if (options.load.time_s) metadata["time_s"] = *options.load.time_s;
+  if (!options.load.animation.empty()) metadata["animation"] = options.load.animation;
+  if (!options.load.without.empty()) metadata["without"] = fmt::format("{}", fmt::join(options.load.without, ", "));
 }
 
 SceneInput load_scene_input(const std::string& path, const SceneOptions& options, const EnvironmentChoice& environment,

@@ -20,10 +20,15 @@ struct SceneOptions {
   LoadParams load;
 };
 
-// --scale, in the help page's group `group` where that is not empty. Returns the options' names.
+// --scale, --time, --animation and --without, in the help page's group `group` where that is not empty. Returns the
+// options' names.
 std::vector<std::string> add_scene_options(Command command, SceneOptions& options, const std::string& group = {});
 
-// What of the options an asset's metadata keeps: scene_scale, where it is not 1.
+// For files placed beside the scene: in the scene's unit, but as they are stored, and whole.
+LoadParams object_params(const SceneOptions& options);
+
+// What of the options an asset's metadata keeps: scene_scale, where it is not 1; time_s, animation and without, where
+// they are given.
 void describe(const SceneOptions& options, Metadata& metadata);
 
 struct SceneInput {

@@ -12,6 +12,8 @@ namespace ivory::gltf {
 // and fills scene.instances, cameras and lights. Throws Error for cycles, nodes with two parents,
 // scenes that list a node which is not a root, and transforms that are not finite. A mesh that its
 // node flattens is copied in world space, appended to scene.meshes.
-void place_nodes(Document& document, const MeshSet& meshes, const LoadParams& params, Scene& scene);
+// Returns for each material whether nodes show it that params.without leaves out: its images are part of the scene's
+// content all the same.
+std::vector<char> place_nodes(Document& document, const MeshSet& meshes, const LoadParams& params, Scene& scene);
 
 }  // namespace ivory::gltf

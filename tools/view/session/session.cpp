@@ -34,7 +34,7 @@ void add_object(ViewSession& session, ViewObject object) {
 }
 
 ViewObject load_object(ViewSession& session, const std::string& path, const V3f& offset_m) {
-  LoadedScene loaded = load_gltf(path, session.load.load);
+  LoadedScene loaded = load_gltf(path, object_params(session.load));
   append(session.notes, loaded.warnings, "warning: ");
   if (!loaded.scene.lights.empty() || !loaded.scene.sphere_lights.empty())
     session.notes.push_back(fmt::format("note: the lights of {} are left out", path));
