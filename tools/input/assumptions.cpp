@@ -18,7 +18,8 @@ void keep_assumptions(Metadata& metadata, const std::vector<std::string>& warnin
   std::string lines = find_text(metadata, "assumptions").value_or("");
   for (const std::string& warning : warnings) {
     const std::string line = without_folders(warning);
-    if (("\n" + lines + "\n").find("\n" + line + "\n") == std::string::npos) lines += (lines.empty() ? "" : "\n") + line;
+    if (("\n" + lines + "\n").find("\n" + line + "\n") == std::string::npos)
+      lines += (lines.empty() ? "" : "\n") + line;
   }
   if (!lines.empty()) metadata["assumptions"] = lines;
 }

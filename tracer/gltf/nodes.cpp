@@ -30,9 +30,6 @@ constexpr double min_scale = 1e-6;
 // The Instance, its matrix in double precision, and Embree's instance with its share of the hierarchy: 514 bytes as
 // measured at the peak, and a quarter more.
 constexpr double bytes_per_instance = 640;
-// Of a mesh of its own: what scene.h stores for a vertex with two sets of coordinates, and Embree's copy and hierarchy.
-constexpr double bytes_per_vertex = 88;
-constexpr double bytes_per_triangle = 96;
 // A spherical light's 5120 triangles and their places in the tables of emitters, 220 bytes each.
 constexpr double bytes_per_sphere_light = 5120 * (bytes_per_triangle + 220) + 2562 * bytes_per_vertex;
 
