@@ -1,18 +1,21 @@
 #!/usr/bin/env python3
-"""Holds docs/inputs.md to the code: every warning that the readers of scenes and images give has a row there that quotes
-it, and every row quotes a warning that there is.
+"""Holds docs/inputs.md to the code: its list of warnings, between <!-- warnings --> comments, is what the readers of
+scenes and images can say.
 
-usage: inputs.py
+usage: inputs.py [--write]     exit code 1 where the list is another; --write makes it anew
 """
 import pathlib
 import re
 import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-READERS = ("tracer/gltf", "grid/io", "tools/input", "tools/bake")
-# Places where a warning is handed on, not made.
-CALLS = re.compile(r"\bwarn\(|\bwarnings\.(?:push_back|emplace_back)\(|\blines\.(?:push_back|emplace_back)\(")
+PAGE = ROOT / "docs/inputs.md"
+ROOMS = {"glTF": "tracer/gltf", "cameras": "tracer/core/camera.cpp", "pictures": "grid/io", "bakes": "tools/bake",
+         "hints of `ivory info`": "tools/input/hints.cpp"}
+CALL = re.compile(r"\bwarn\(|\b(?:warnings|lines)\.(?:push_back|emplace_back)\(|\breturn fmt::format\(")
 LITERAL = re.compile(r'"((?:[^"\\]|\\.)*)"')
+# Parts of a call that name what a warning is about, but do not stand in its text.
+LABEL = re.compile(r'\b(?:label|plural)\("[^"]*"')
 
 
 def arguments(text, start):
@@ -27,33 +30,42 @@ def arguments(text, start):
     return text[start:i - 1]
 
 
-def warnings():
-    """(file, longest piece of constant text) of every warning."""
-    for folder in READERS:
-        for path in sorted((ROOT / folder).rglob("*.cpp")):
-            text = path.read_text()
-            for call in CALLS.finditer(text):
-                joined = re.sub(r'"\s*\n\s*"', "", arguments(text, call.end()))
-                pieces = [piece for literal in LITERAL.findall(joined) for piece in re.split(r"\{[^}]*\}", literal)]
-                longest = max(pieces, key=len, default="").strip(" ,:;'")
-                if len(longest) > 5:
-                    yield path.relative_to(ROOT), longest
+def warnings(path):
+    """The constant text of every warning in a file, with an ellipsis for what varies."""
+    text = path.read_text()
+    for call in CALL.finditer(text):
+        # Elsewhere such a line is an error's or a name.
+        if call.group().startswith("return") and path.name not in ("camera.cpp", "hints.cpp"):
+            continue
+        joined = LABEL.sub("label(", re.sub(r'"\s*\n\s*"', "", arguments(text, call.end())))
+        pieces = [literal.replace('\\"', '"') for literal in LITERAL.findall(joined)]
+        message = re.sub(r"(\s*…\s*)+", " … ", "…" + "…".join(re.sub(r"\{[^}]*\}", "…", piece) for piece in pieces))
+        message = message.strip(" …:,")
+        if len(re.findall(r"[a-z]{3}", message)) > 4:
+            yield message.replace("|", "\\|")
+
+
+def listing():
+    lines = []
+    for room, place in ROOMS.items():
+        folder = ROOT / place
+        files = [folder] if folder.is_file() else sorted(folder.rglob("*.cpp"))
+        said = sorted({message for file in files for message in warnings(file)}, key=str.lower)
+        lines += ["", f"Of {room}:" if not room.startswith("hints") else f"{room[0].upper()}{room[1:]}:", ""]
+        lines += [f"- … {message}" for message in said]
+    return "\n".join(lines).strip("\n")
 
 
 def main():
-    page = (ROOT / "docs/inputs.md").read_text()
-    flat = re.sub(r"\s+", " ", page)
-    known = list(warnings())
-    faults = [f"{path}: docs/inputs.md does not say: {text}" for path, text in known if text not in flat]
-    quoted = re.findall(r"^\| `([^`]+)` \|", page, re.MULTILINE)
-    sources = re.sub(r'"\s*\n\s*"', "", "\n".join(path.read_text() for folder in READERS
-                                                   for path in sorted((ROOT / folder).rglob("*.cpp"))))
-    for row in quoted:
-        piece = max(row.split("…"), key=len).strip()
-        if piece not in sources:
-            faults.append(f"docs/inputs.md: no reader says: {row}")
-    print("\n".join(faults) or f"{len(known)} warnings, {len(quoted)} rows")
-    sys.exit(1 if faults else 0)
+    page = PAGE.read_text()
+    begin, end = "<!-- warnings -->\n", "\n<!-- /warnings -->"
+    head, rest = page.split(begin)
+    tail = rest.split(end)[1]
+    made = head + begin + listing() + end + tail
+    if "--write" in sys.argv[1:]:
+        PAGE.write_text(made)
+    elif made != page:
+        sys.exit("docs/inputs.md: its list of warnings is not the code's; run tools/checks/inputs.py --write")
 
 
 if __name__ == "__main__":

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "grid/base/error.h"
 
 namespace ivory {
@@ -118,8 +120,9 @@ std::optional<std::string> doubt_about(const Intersector& intersector, const Vie
     if (hit && ray.direction.dot(hit->ng) > 0) ++backs;
   }
   if (backs < most * side * side) return std::nullopt;
-  return "camera '" + name + "' may stand inside a wall: " + std::to_string(int(100 * share + 0.5)) +
-         " % of what is around it are backs of single-sided surfaces";
+  return fmt::format(
+      "camera '{}' may stand inside a wall: {:.0f} % of what is around it are backs of single-sided surfaces", name,
+      100 * share);
 }
 
 }  // namespace ivory
