@@ -14,7 +14,7 @@ namespace ivory {
 
 struct ProbeEstimates {
   std::vector<Rgb> e;               // lux, one a point
-  std::vector<Rgb> standard_error;  // of e
+  std::vector<Rgb> standard_error;  // of e; not a number where nothing is known of it
   Metadata facts;                   // for the result: what was read and how
 };
 
