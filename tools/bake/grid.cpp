@@ -88,7 +88,10 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   const double rate = static_cast<double>(sums.photon_end - sums.photon_begin) / seconds;
   result["seconds"] = seconds;
   result["photons_per_second"] = rate;
-  result["warnings"] = input.warnings;
+  // The input's first.
+  nlohmann::ordered_json warnings = input.warnings;
+  warnings.insert(warnings.end(), result["warnings"].begin(), result["warnings"].end());
+  result["warnings"] = std::move(warnings);
   print_result(common, result,
                result_text(result) +
                    fmt::format("{:.2f} s, {} photons/s on {} threads\n", seconds, format_count(rate), params.threads));

@@ -2,6 +2,8 @@
 #include "tools/input/grid.h"
 
 #include <algorithm>
+#include <atomic>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -9,6 +11,7 @@
 #include <tbb/parallel_for.h>
 
 #include "grid/base/error.h"
+#include "grid/field/evidence.h"
 #include "grid/io/file.h"
 #include "tools/input/scene.h"
 #include "tools/input/vdb.h"
@@ -57,11 +60,16 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
   ProbeEstimates out;
   out.e.resize(table.p.size());
   out.standard_error.resize(table.p.size());
+  const std::optional<float> unmet_lux = unmet_bound_lux(grid);
+  constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
+  std::atomic<std::int64_t> unmet = 0;
   tbb::parallel_for(std::size_t(0), table.p.size(), [&](std::size_t i) {
     const V3f& n = table.n[i];
     const Footprint footprint = lookup_footprint(grid, intersector, table.p[i], n, params);
     out.e[i] = irradiance(grid, footprint, n, params.reconstruction);
-    out.standard_error[i] = irradiance_standard_error(grid, footprint);
+    if (is_black(irradiance_standard_error(grid, footprint))) ++unmet;
+    out.standard_error[i] = irradiance_standard_error(grid, footprint, unmet_lux.value_or(0));
+    if (is_black(out.standard_error[i])) out.standard_error[i] = Rgb(unknown, unknown, unknown);
   });
   const auto outside = std::count_if(table.p.begin(), table.p.end(), [&](const V3f& p) {
     const V3f index = grid.frame.to_index(p);
@@ -76,7 +84,13 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
                                    outside, table.p.size()));
   }
   if (scene) out.warnings = scene->warnings;
-  out.facts = {{"source", std::string("grid")},
+  if (unmet > 0) {
+    print_note(common, fmt::format("warning: no photon came to the vertices around {} of {} points: E is not known to "
+                                   "be 0 there, and r_se, g_se, b_se are {}",
+                                   unmet.load(), table.p.size(), unmet_lux ? "bounds" : "left empty"));
+  }
+  out.facts = {{"unmet", unmet.load()},
+               {"source", std::string("grid")},
                {"guard", std::string(name_of(params.guard))},
                {"outside", std::int64_t(outside)}};
   return out;

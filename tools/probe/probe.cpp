@@ -78,7 +78,8 @@ void add_probe_command(Command app, CommonOptions& common) {
   command
       .add_option("-o,--output", options->output,
                   "P's columns and r,g,b (lux), r_se,g_se,b_se (standard errors; a grid's are of its\nphotons' noise "
-                  "alone, estimated a quarter too large as a rule)")
+                  "alone, estimated a quarter too large as a rule, and 95 % bounds where no photon\n"
+                  "came; empty where no path of a scene's met light)")
       .required()
       .type_name("OUT.csv");
   command.add_flag("--indirect-only", options->indirect_only, "Leave out light straight from its sources");

@@ -1,7 +1,10 @@
 // ivory probe SCENE: irradiance by path tracing, the truth.
 #include "tools/input/scene.h"
 
+#include <limits>
 #include <memory>
+
+#include <fmt/format.h>
 
 #include "grid/base/error.h"
 #include "tools/probe/source.h"
@@ -36,12 +39,23 @@ ProbeEstimates probe_path_traced(const PathOptions& options, const ProbeRequest&
     progress.update(static_cast<std::uint64_t>(fraction * static_cast<double>(paths)), paths);
   };
   ProbeEstimates out;
+  std::int64_t unmet = 0;
+  constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
   for (const ProbeResult& result : probe_scene(input.lit, points, params)) {
+    // All samples black: as many as there are say nothing of what the next one may bring.
+    const bool met = !is_black(result.e);
+    unmet += met ? 0 : 1;
     out.e.push_back(result.e);
-    out.standard_error.push_back(result.standard_error);
+    out.standard_error.push_back(met ? result.standard_error : Rgb(unknown, unknown, unknown));
   }
   out.warnings = input.warnings;
-  out.facts = {{"source", std::string("scene")},
+  if (unmet > 0) {
+    print_note(common, fmt::format("warning: no path from {} of {} points met any light: E is not known to be 0 there, "
+                                   "and r_se, g_se, b_se are left empty",
+                                   unmet, points.size()));
+  }
+  out.facts = {{"unmet", unmet},
+               {"source", std::string("scene")},
                {"samples", std::int64_t(options.samples)},
                {"seed", std::int64_t(options.seed)}};
   return out;

@@ -15,7 +15,7 @@ namespace ivory {
 
 struct ProbeEstimates {
   std::vector<Rgb> e;                 // lux, one a point
-  std::vector<Rgb> standard_error;    // of e
+  std::vector<Rgb> standard_error;    // of e; not a number where nothing is known of it
   Metadata facts;                     // for the result: what was read and how
   std::vector<std::string> warnings;  // of all that was read, printed already
 };

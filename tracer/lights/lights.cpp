@@ -16,6 +16,8 @@ namespace ivory {
 
 namespace {
 
+bool is_directional(const PunctualLight& light) { return std::holds_alternative<DirectionalLight>(light); }
+
 bool is_finite(const Rgb& c) { return std::isfinite(c.x) && std::isfinite(c.y) && std::isfinite(c.z); }
 
 // Nothing outside holds light in check, so a scene without triangles gets a sphere of 1 m.
@@ -62,7 +64,18 @@ struct Emitter {
 // and the mesh's own table chooses the triangle.
 constexpr std::size_t most_triangles_a_mesh = 4096;
 
+struct Picks {
+  AliasTable table;
+  std::vector<float> probability;  // of picking each light
+};
+
 }  // namespace
+
+struct Lights::Emission::State {
+  EntryDiscs discs;
+  Picks picks;
+  PhotonPower photon_power;
+};
 
 // Lights are numbered punctual first, then emitters by instance, then the environment.
 struct Lights::State {
@@ -75,16 +88,20 @@ struct Lights::State {
   std::vector<std::vector<int>> triangle_index;  // [instance][triangle] -> emitters; empty for dark or whole instances
   std::vector<int> instance_index;               // [instance] -> emitters, of whole instances, else no_index
   std::optional<EnvironmentLight> environment;
-  AliasTable table;
-  std::vector<float> probability;  // of picking each light
-  PhotonPower photon_power;
+  Emission everywhere;  // without a target; its picks are sample()'s, too
   Rgb total_power{0, 0, 0};
 
+  const Picks& picks() const { return everywhere.state_->picks; }
   std::size_t punctual_count() const { return scene->lights.size(); }
   std::size_t environment_index() const { return punctual_count() + emitters.size(); }
 
   const InstancedEmitter& instanced_of(int instance) const {
     return *instanced[std::size_t(scene->instances[std::size_t(instance)].mesh)];
+  }
+
+  Rgb power_of(const Emitter& emitter) const {
+    if (emitter.light == no_index) return power_lm(*scene, instanced_of(emitter.instance), emitter.instance);
+    return power_lm(triangles[std::size_t(emitter.light)]);
   }
 
   void add_emitters();
@@ -141,36 +158,55 @@ Lights::Lights(const Intersector& intersector) : state_(std::make_unique<State>(
   state.add_emitters();
   if (scene.environment) state.environment = make_environment_light(*scene.environment);
 
-  std::vector<double> powers;
-  std::vector<std::size_t> groups;
+  const float area = pi * state.sphere.radius_m * state.sphere.radius_m;
   double total[3] = {0, 0, 0};
-  const auto add = [&](const Rgb& power, std::size_t group, const std::string& what) {
+  const auto add = [&](const Rgb& power, const std::string& what) {
     if (!is_finite(power))
       throw Error(scene.name, what + " has a power that is not finite", "correct its intensity or colour");
-    powers.push_back(std::max(0.0, double(max_component(power))));
-    groups.push_back(group);
     for (int c = 0; c < 3; ++c) total[c] += double(power[c]);
   };
   for (std::size_t i = 0; i < scene.lights.size(); ++i)
-    add(power_lm(scene.lights[i], state.sphere), i, "light " + std::to_string(i));
+    add(power_lm(scene.lights[i], area), "light " + std::to_string(i));
   for (const Emitter& emitter : state.emitters) {
-    const std::size_t group = scene.lights.size() + std::size_t(emitter.instance);
     const std::string instance = "instance " + std::to_string(emitter.instance);
-    if (emitter.light == no_index) {
-      const auto mesh = std::size_t(scene.instances[std::size_t(emitter.instance)].mesh);
-      add(power_lm(scene, *state.instanced[mesh], emitter.instance), group, "emissive " + instance);
-    } else {
-      const TriangleLight& light = state.triangles[std::size_t(emitter.light)];
-      add(power_lm(light), group, "emissive triangle " + std::to_string(light.triangle) + " of " + instance);
-    }
+    add(state.power_of(emitter), emitter.light == no_index
+                                     ? "emissive " + instance
+                                     : "emissive triangle " +
+                                           std::to_string(state.triangles[std::size_t(emitter.light)].triangle) +
+                                           " of " + instance);
   }
-  const std::size_t environment_group = scene.lights.size() + scene.instances.size();
-  if (state.environment) add(power_lm(*state.environment, state.sphere), environment_group, "the environment");
+  if (state.environment) add(power_lm(*state.environment, area), "the environment");
+  state.total_power = Rgb(float(total[0]), float(total[1]), float(total[2]));
+  state.everywhere = emission(std::nullopt);
+}
 
-  state.table = AliasTable(pick_weights(powers, groups, environment_group + 1));
-  state.probability.assign(powers.size(), 0.0F);
-  const std::vector<double> probabilities = state.table.probabilities();
-  std::ranges::transform(probabilities, state.probability.begin(), [](double p) { return float(p); });
+Lights::Emission Lights::emission(const std::optional<EmissionTarget>& target) const {
+  const State& state = *state_;
+  const Scene& scene = *state.scene;
+  auto made = std::make_shared<Emission::State>();
+  const bool from_afar = state.environment || std::ranges::any_of(scene.lights, is_directional);
+  // The bounds of a large scene take their time.
+  made->discs = target && from_afar ? make_entry_discs(state.sphere, bounds(scene), target)
+                                    : make_entry_discs(state.sphere, {}, std::nullopt);
+  const float area = near_area_m2(made->discs);
+  const double heavier = double(far_area_m2(made->discs)) / double(area);
+
+  std::vector<double> powers;
+  std::vector<std::size_t> groups;
+  const auto add = [&](const Rgb& power, std::size_t group) {
+    powers.push_back(std::max(0.0, double(max_component(power))));
+    groups.push_back(group);
+  };
+  for (std::size_t i = 0; i < scene.lights.size(); ++i) add(power_lm(scene.lights[i], area), i);
+  for (const Emitter& emitter : state.emitters)
+    add(state.power_of(emitter), scene.lights.size() + std::size_t(emitter.instance));
+  const std::size_t environment_group = scene.lights.size() + scene.instances.size();
+  if (state.environment) add(power_lm(*state.environment, area), environment_group);
+
+  made->picks.table = AliasTable(pick_weights(powers, groups, environment_group + 1));
+  made->picks.probability.assign(powers.size(), 0.0F);
+  const std::vector<double> probabilities = made->picks.table.probabilities();
+  std::ranges::transform(probabilities, made->picks.probability.begin(), [](double p) { return float(p); });
   std::vector<double> group_power(environment_group + 1, 0);
   std::vector<double> group_probability(environment_group + 1, 0);
   for (std::size_t i = 0; i < probabilities.size(); ++i) {
@@ -179,19 +215,26 @@ Lights::Lights(const Intersector& intersector) : state_(std::make_unique<State>(
   }
   for (std::size_t g = 0; g < group_power.size(); ++g) {
     if (group_probability[g] == 0) continue;
-    const auto power = float(group_power[g] / group_probability[g]);
-    PhotonPower& range = state.photon_power;
-    range.weakest_lm = range.strongest_lm == 0 ? power : std::min(range.weakest_lm, power);
-    range.strongest_lm = std::max(range.strongest_lm, power);
+    const double power = group_power[g] / group_probability[g];
+    const bool enters = g == environment_group || (g < scene.lights.size() && is_directional(scene.lights[g]));
+    PhotonPower& range = made->photon_power;
+    range.weakest_lm = range.strongest_lm == 0 ? float(power) : std::min(range.weakest_lm, float(power));
+    range.strongest_lm = std::max(range.strongest_lm, float(power));
+    range.heaviest_lm = std::max(range.heaviest_lm, float(enters ? power * heavier : power));
   }
-  state.total_power = Rgb(float(total[0]), float(total[1]), float(total[2]));
+  Emission emission;
+  emission.state_ = std::move(made);
+  return emission;
 }
+
+Lights::PhotonPower Lights::Emission::photon_power() const { return state_->photon_power; }
+const EntryDiscs& Lights::Emission::discs() const { return state_->discs; }
 
 Lights::~Lights() = default;
 Lights::Lights(Lights&&) noexcept = default;
 Lights& Lights::operator=(Lights&&) noexcept = default;
 
-bool Lights::empty() const { return state_->table.empty(); }
+bool Lights::empty() const { return state_->picks().table.empty(); }
 
 bool Lights::has_extended() const {
   return !state_->emitters.empty() || (state_->environment && !state_->environment->texels.empty());
@@ -199,15 +242,18 @@ bool Lights::has_extended() const {
 
 Rgb Lights::total_power_lm() const { return state_->total_power; }
 
-Lights::PhotonPower Lights::photon_power() const { return state_->photon_power; }
+Lights::PhotonPower Lights::photon_power() const { return state_->everywhere.photon_power(); }
 
-EmittedPhoton Lights::emit(RandomStream& random) const {
+EmittedPhoton Lights::emit(RandomStream& random) const { return emit(state_->everywhere, random); }
+
+EmittedPhoton Lights::emit(const Emission& emission, RandomStream& random) const {
   const State& state = *state_;
-  if (state.table.empty()) return {state.sphere.center, V3f(0, 0, 1), Rgb(0, 0, 0)};
-  const std::size_t choice = state.table.sample(random);
+  const auto& [discs, picks, power] = *emission.state_;
+  if (picks.table.empty()) return {state.sphere.center, V3f(0, 0, 1), Rgb(0, 0, 0)};
+  const std::size_t choice = picks.table.sample(random);
   EmittedPhoton photon;
   if (choice < state.punctual_count()) {
-    photon = ivory::emit(state.scene->lights[choice], state.sphere, random);
+    photon = ivory::emit(state.scene->lights[choice], discs, random);
   } else if (choice < state.environment_index()) {
     const Emitter& emitter = state.emitters[choice - state.punctual_count()];
     if (emitter.light == no_index) {
@@ -218,17 +264,18 @@ EmittedPhoton Lights::emit(RandomStream& random) const {
       photon = ivory::emit(*state.scene, state.triangles[std::size_t(emitter.light)], random);
     }
   } else {
-    photon = ivory::emit(*state.environment, state.sphere, random);
+    photon = ivory::emit(*state.environment, discs, random);
   }
-  photon.power /= state.probability[choice];
+  photon.power /= picks.probability[choice];
   return photon;
 }
 
 std::optional<LightSample> Lights::sample(const V3f& p, RandomStream& random) const {
   const State& state = *state_;
-  if (state.table.empty()) return std::nullopt;
-  const std::size_t choice = state.table.sample(random);
-  float probability = state.probability[choice];
+  const Picks& picks = state.picks();
+  if (picks.table.empty()) return std::nullopt;
+  const std::size_t choice = picks.table.sample(random);
+  float probability = picks.probability[choice];
   std::optional<LightSample> s;
   if (choice < state.punctual_count()) {
     s = ivory::sample(state.scene->lights[choice], p);
@@ -258,22 +305,22 @@ float Lights::pdf_solid_angle(const V3f& p, const Hit& hit) const {
     const int entry = emitter.entry[std::size_t(hit.triangle)];
     if (entry == no_index) return 0;
     const TriangleLight light = make_triangle_light(*state.scene, *emitter.emission, hit.instance, hit.triangle);
-    return state.probability[state.punctual_count() + std::size_t(whole)] * emitter.probability[std::size_t(entry)] *
-           ivory::pdf_solid_angle(*state.scene, light, p, hit.barycentric);
+    return state.picks().probability[state.punctual_count() + std::size_t(whole)] *
+           emitter.probability[std::size_t(entry)] * ivory::pdf_solid_angle(*state.scene, light, p, hit.barycentric);
   }
   const auto& index = state.triangle_index[std::size_t(hit.instance)];
   if (index.empty()) return 0;
   const int emitter = index[std::size_t(hit.triangle)];
   if (emitter == no_index) return 0;
   const TriangleLight& light = state.triangles[std::size_t(state.emitters[std::size_t(emitter)].light)];
-  return state.probability[state.punctual_count() + std::size_t(emitter)] *
+  return state.picks().probability[state.punctual_count() + std::size_t(emitter)] *
          ivory::pdf_solid_angle(*state.scene, light, p, hit.barycentric);
 }
 
 float Lights::environment_pdf_solid_angle(const V3f& w) const {
   const State& state = *state_;
   if (!state.environment) return 0;
-  return state.probability[state.environment_index()] * ivory::pdf_solid_angle(*state.environment, w);
+  return state.picks().probability[state.environment_index()] * ivory::pdf_solid_angle(*state.environment, w);
 }
 
 Rgb Lights::environment_radiance(const V3f& w) const {
