@@ -55,7 +55,7 @@ std::vector<std::string> judge(const BakeCubemapOptions& options, const Capture&
         fmt::format("{:.0f} % of what is seen from {} are backs of single-sided surfaces: it may lie inside a wall",
                     100 * capture.back_share, at));
   } else if (dark) {
-    warnings.push_back("no light arrives at " + at);
+    warnings.push_back("no light arrives at " + at + ": the cube map is black");
   }
   if (!bounds(scene).intersects(options.at)) warnings.push_back(at + " lies outside of the scene's bounds");
   return warnings;
