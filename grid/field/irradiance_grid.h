@@ -108,6 +108,7 @@ Rgb irradiance(const IrradianceGrid& grid, const Footprint& footprint, const V3f
 // track passes several of those around a point (too low), and all photons count a third, though those from behind the
 // receiver count nothing (too high). In a closed room with and without direct light, and on a plane under a sun, the
 // spread over seeds came to 0.71 to 0.81 of it, on the whole; at single points to between a half and 1.1 of it.
-Rgb irradiance_standard_error(const IrradianceGrid& grid, const Footprint& footprint);
+// A vertex that no photon came to has the standard error unmet_lux: unmet_bound_lux() of evidence.h.
+Rgb irradiance_standard_error(const IrradianceGrid& grid, const Footprint& footprint, float unmet_lux = 0);
 
 }  // namespace ivory

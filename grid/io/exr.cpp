@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <type_traits>
 #include <variant>
@@ -81,6 +82,25 @@ Imf::FrameBuffer frame_buffer(std::vector<float>& values, int width, const std::
   return buffer;
 }
 
+// OpenEXR completes a file in a destructor, which cannot tell that the disk is full: it writes to memory.
+class MemoryFile : public Imf::OStream {
+ public:
+  MemoryFile() : Imf::OStream("memory") {}
+  void write(const char* bytes, int count) override {
+    const std::size_t end = at_ + std::size_t(count);
+    if (end > bytes_.size()) bytes_.resize(end);
+    std::copy(bytes, bytes + count, bytes_.begin() + std::ptrdiff_t(at_));
+    at_ = end;
+  }
+  std::uint64_t tellp() override { return at_; }
+  void seekp(std::uint64_t position) override { at_ = position; }
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+  std::size_t at_ = 0;
+};
+
 std::string text_attribute(const Imf::Header& header, const std::string& name) {
   const auto* attribute = header.findTypedAttribute<Imf::StringAttribute>(name);
   return attribute == nullptr ? std::string() : attribute->value();
@@ -134,30 +154,6 @@ ExrAsset read_header(const std::string& path, const Imf::Header& header, const s
 
 }  // namespace
 
-namespace {
-
-// A file in memory. OpenEXR's own stream keeps what a small file holds until it is closed, and then says nothing about
-// a full disk.
-class MemoryStream : public Imf::OStream {
- public:
-  explicit MemoryStream(const std::string& path) : Imf::OStream(path.c_str()) {}
-  void write(const char data[], int count) override {
-    const auto size = std::size_t(count);
-    if (at_ + size > bytes.size()) bytes.resize(at_ + size);
-    std::copy_n(data, size, bytes.begin() + std::ptrdiff_t(at_));
-    at_ += size;
-  }
-  std::uint64_t tellp() override { return at_; }
-  void seekp(std::uint64_t at) override { at_ = std::size_t(at); }
-
-  std::string bytes;
-
- private:
-  std::size_t at_ = 0;
-};
-
-}  // namespace
-
 void write_exr(const std::string& path, const ExrAsset& asset, ExrPrecision precision, bool force) {
   ExrAsset stored = asset;
   for (auto& [key, value] : stored.metadata) value = storable(value);
@@ -182,9 +178,9 @@ void write_exr(const std::string& path, const ExrAsset& asset, ExrPrecision prec
   for (const auto& [key, list] : stored.lists) header.insert(prefix + key, Imf::FloatVectorAttribute(list));
   if (stored.cube_environment) header.insert("envmap", Imf::EnvmapAttribute(Imf::ENVMAP_CUBE));
 
-  MemoryStream stream(path);
+  MemoryFile memory;
   try {
-    Imf::OutputFile file(stream, header);
+    Imf::OutputFile file(memory, header);
     Imf::FrameBuffer buffer;
     std::vector<half> halves;
     if (precision == ExrPrecision::float32) {
@@ -202,7 +198,7 @@ void write_exr(const std::string& path, const ExrAsset& asset, ExrPrecision prec
   } catch (const std::exception& error) {
     throw Error(path, std::string("cannot be written (") + error.what() + ")", "check the inputs");
   }
-  write_file(path, stream.bytes, force);
+  write_file(path, memory.bytes(), force);
 }
 
 ExrAsset read_exr(const std::string& path, const std::string& kind, const std::string& remedy) {

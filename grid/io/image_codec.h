@@ -21,7 +21,9 @@ struct ImageHeader {
   std::string format;      // OpenImageIO's name of it: "openexr"
   std::string pixel_type;  // "half", "uint8"
   std::vector<std::string> channel_names;
-  Metadata attributes;  // text, and all that ivory wrote ("ivory:...")
+  int alpha_channel = -1;      // its index; -1 where there is none
+  bool premultiplied = false;  // colours of formats that keep integers are stored times alpha
+  Metadata attributes;         // text and single numbers
 };
 
 enum class PixelType { uint8, float32 };
@@ -49,15 +51,17 @@ struct ImageToWrite {
 class ImageCodec {
  public:
   virtual ~ImageCodec() = default;
-  // Both return null and say why in `cause` where the file cannot be opened. `bytes` must outlive the image; an alpha
-  // channel in them is not premultiplied.
+  // Both return null and say why in `cause` where the file cannot be opened. `bytes` must outlive the image. Colours
+  // behind alpha are as the file has them.
   virtual std::unique_ptr<OpenImage> open(const std::string& path, std::string& cause) const = 0;
   virtual std::unique_ptr<OpenImage> open(std::span<const std::uint8_t> bytes, const std::string& extension,
                                           std::string& cause) const = 0;
-  // Whether the name's extension names a format.
+  // Whether the name's extension names a format that encode() knows.
   virtual bool can_write(const std::string& path) const = 0;
-  // Returns what went wrong, or "".
-  virtual std::string write(const std::string& path, const ImageToWrite& image) const = 0;
+  // The bytes of a file of that name's format; empty, with what went wrong in `cause`, where it cannot hold the image.
+  // To memory, as most formats' writers tell nobody that the disk is full.
+  virtual std::vector<std::uint8_t> encode(const std::string& path, const ImageToWrite& image,
+                                           std::string& cause) const = 0;
 };
 
 // The module's one codec. Thread-safe, as it is itself. Throws Error where the module cannot be loaded.

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "grid/base/error.h"
-#include "tests/support/file_size_limit.h"
+#include "tests/support/full_disk.h"
 
 namespace ivory {
 namespace {
@@ -59,7 +59,7 @@ TEST_F(ExrFiles, FullDiskLeavesWhatWasThere) {
   ExrAsset other = example();
   other.values[3] = 5;
   {
-    const FileSizeLimit limit(300);
+    const FullDisk limit(300);
     EXPECT_THROW(write_exr(path("a.exr"), other, ExrPrecision::float32, true), Error);
   }
   EXPECT_EQ(fs::file_size(path("a.exr")), size);

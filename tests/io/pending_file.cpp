@@ -9,7 +9,7 @@
 
 #include "grid/base/error.h"
 #include "grid/io/file.h"
-#include "tests/support/file_size_limit.h"
+#include "tests/support/full_disk.h"
 
 namespace ivory {
 namespace {
@@ -155,7 +155,7 @@ TEST_F(PendingFiles, SayWhyTheyCannotBeWritten) {
   };
   EXPECT_NE(message(path("nowhere/a.csv")).find("(No such file or directory); make its folder"), std::string::npos);
   const std::string too_large = [&] {
-    const FileSizeLimit limit(5000);
+    const FullDisk limit(5000);
     return message(path("store/a.csv"));
   }();
   EXPECT_NE(too_large.find("(File too large); raise the limit"), std::string::npos) << too_large;

@@ -206,15 +206,6 @@ TEST_F(RuntimeGridFile, LongGridsFitByArrangement) {
   EXPECT_GT(compared, 500);
 }
 
-std::string error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
 // One line that names file, cause and remedy, and no object left behind.
 TEST_F(RuntimeGridFile, WhatCannotBeLoadedIsSaid) {
   const std::string good = bake("cornell_box.gltf", "--resolution 8");

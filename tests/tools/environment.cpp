@@ -285,6 +285,38 @@ TEST_F(EnvironmentTools, BadInputIsOneLine) {
   EXPECT_FALSE(fs::exists(path("y.csv")));
 }
 
+// A map of 2 everywhere that was exposed by 2: E = pi, and everyone who takes it says so.
+TEST_F(EnvironmentTools, EveryCommandSaysWhatItTookItsMapFor) {
+  {
+    std::ofstream file(path("exposed.hdr"), std::ios::binary);
+    file << "#?RADIANCE\nEXPOSURE=2\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n";
+    for (int i = 0; i < 8; ++i) file << "\x80\x80\x80\x82";
+  }
+  const std::string map = path("exposed.hdr");
+  const std::string scene = std::string(source_folder) + "/scenes/leak_axis.gltf";
+  const auto expect = [&](const std::string& command, const std::string& output) {
+    const Json result = run(command + " --force -o " + path(output));
+    ASSERT_EQ(result["warnings"].size(), 1U) << command << result;
+    EXPECT_NE(result["warnings"][0].get<std::string>().find("exposed.hdr: was exposed by 2 "), std::string::npos)
+        << result["warnings"];
+    if (output.ends_with("csv")) return;
+    const Json info = run("info " + path(output));
+    EXPECT_TRUE(info["assumptions"].get<std::string>().starts_with("exposed.hdr: was exposed by 2 ")) << command;
+  };
+  const std::string points = " --points " + path("p.csv");
+  expect("probe " + map + points, "e.csv");
+  expect("bake sh9 " + map, "e.json");
+  expect("bake difmap " + map + " --size 4", "e.exr");
+  for (const V3d& e : probed("e.exr"))
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(e[c], 3.14159265, 1e-3);
+  const std::string env = " --env " + map;
+  expect("bake fiv " + scene + env + " --samples 4,3,2 --silhouette 8", "t.exr");
+  expect("bake grid " + scene + env + " --resolution 2 --photons 100 --direct", "t.vdb");
+  expect("bake cubemap " + scene + env + " --at 0,0.1,0 --capture 4 --samples 1", "c.exr");
+  expect("render " + scene + env + " --size 4x4 --samples 1", "r.exr");
+  expect("probe " + scene + env + points + " --samples 1", "s.csv");
+}
+
 TEST_F(EnvironmentTools, BenchMeasuresTheProjectionBesideASum) {
   const Json result = run("bench sh9 --size 256x128 --rounds 3");
   EXPECT_GT(result["ratio"], 0);

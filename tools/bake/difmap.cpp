@@ -29,6 +29,7 @@ void run_bake_difmap(const BakeDifmapOptions& options, const CommonOptions& comm
   const auto start = Clock::now();
   EnvironmentInput input = load_environment_input(options.environment);
   const auto loaded = Clock::now();
+  print_warnings(common, input.warnings);
   const IrradianceTree tree = make_irradiance_tree(input.image);
   IrradianceMap baked = bake_irradiance(tree, options.size);
   const double bake_seconds = std::chrono::duration<double>(Clock::now() - loaded).count();
@@ -60,7 +61,8 @@ void run_bake_difmap(const BakeDifmapOptions& options, const CommonOptions& comm
        {"sh9_average_error_of_mean_irradiance", sh9.average_of_mean_e()},
        {"sh9_maximum_error_of_mean_irradiance", sh9.maximum_of_mean_e()},
        {"read_seconds", std::chrono::duration<double>(loaded - start).count()},
-       {"bake_seconds", bake_seconds}},
+       {"bake_seconds", bake_seconds},
+       {"warnings", input.warnings}},
       fmt::format(
           "{}: 6 x {} x {} texels of E in lux, {:.2f} s\n"
           "error below {:.2g} % of the light of the whole sphere at the texels' normals\n"

@@ -17,6 +17,7 @@
 #include "grid/io/json.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
+#include "tools/input/assumptions.h"
 #include "tools/input/environment.h"
 #include "tools/input/scene.h"
 #include "tracer/bake/fiv/baker.h"
@@ -29,6 +30,7 @@ namespace {
 struct BakeFivOptions {
   std::string mesh;
   std::string output;
+  SceneOptions load;
   EnvironmentChoice environment;
   std::string samples = "128,65,30";
   ExrPrecision precision = ExrPrecision::float32;
@@ -64,10 +66,11 @@ void run_bake_fiv(const BakeFivOptions& options, const CommonOptions& common) {
   check_size(options, params);
   check_output(options.output, ".exr", common);
   if (!is_scene_name(options.mesh)) throw Error(options.mesh, "is no .gltf or .glb file", "convert the mesh");
-  const LoadedScene loaded = load_gltf(options.mesh);
-  for (const std::string& warning : loaded.warnings) print_note(common, "warning: " + warning);
-  const FivOccluder occluder = make_fiv_occluder(loaded.scene);
+  LoadedScene loaded = load_gltf(options.mesh, options.load.load);
   EnvironmentInput environment = load_environment_input(options.environment);
+  loaded.warnings.insert(loaded.warnings.end(), environment.warnings.begin(), environment.warnings.end());
+  print_warnings(common, loaded.warnings);
+  const FivOccluder occluder = make_fiv_occluder(loaded.scene);
   const CubeMap cube = fine_cube(to_latlong(std::move(environment.image)), params.environment_size);
 
   Progress progress(common, "baking", "directions");
@@ -81,6 +84,8 @@ void run_bake_fiv(const BakeFivOptions& options, const CommonOptions& common) {
   m["method"] = std::string("fiv");
   m["mesh"] = std::filesystem::path(options.mesh).filename().string();
   m["mesh_hash"] = loaded.scene.content_hash;
+  describe(options.load, m);
+  keep_assumptions(m, loaded.warnings);
   m["environment_size"] = std::int64_t(params.environment_size);
   m["environment_parts"] = std::int64_t(params.parts);
   m["silhouette_pixels"] = std::int64_t(params.silhouette_pixels);
@@ -124,6 +129,7 @@ void add_bake_fiv_command(Command bake, CommonOptions& common) {
       .type_name("MESH");
   command.add_option("-o,--output", options->output, "Table to write, .exr").required().type_name("OUT.exr");
   add_environment_options(command, options->environment);
+  add_scene_options(command, options->load);
   command.get_option("--env").required();
   command.add_option("--samples", options->samples, "Samples in azimuth, polar angle and distance")
       .type_name("NA,NP,ND");

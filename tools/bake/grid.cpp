@@ -18,6 +18,7 @@ namespace {
 struct BakeGridOptions {
   std::string scene;
   std::string output;
+  SceneOptions load;
   EnvironmentChoice environment;
   std::vector<std::string> dynamic;  // regions
   std::uint64_t seed = 1;
@@ -62,7 +63,7 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   }
   check_output(options.output, ".vdb", common);
 
-  const auto input = load_scene_input(options.scene, options.environment, common);
+  const auto input = load_scene_input(options.scene, options.load, options.environment, common);
   const GridFrame frame = default_frame(*input.lit.scene, params);
   params.frame = frame;
   if (const int threads = affordable_threads(input.lit, frame, params); threads < params.threads) {
@@ -87,7 +88,10 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   const double rate = static_cast<double>(sums.photon_end - sums.photon_begin) / seconds;
   result["seconds"] = seconds;
   result["photons_per_second"] = rate;
-  result["warnings"] = input.warnings;
+  // The input's first.
+  nlohmann::ordered_json warnings = input.warnings;
+  warnings.insert(warnings.end(), result["warnings"].begin(), result["warnings"].end());
+  result["warnings"] = std::move(warnings);
   print_result(common, result,
                result_text(result) +
                    fmt::format("{:.2f} s, {} photons/s on {} threads\n", seconds, format_count(rate), params.threads));
@@ -149,6 +153,7 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
                     "Surfaces a photon may scatter at; Russian roulette ends most before");
   command.add_flag("--direct", params.include_direct, "Store light straight from its sources too");
   add_environment_options(command, options->environment);
+  add_scene_options(command, options->load);
   command.add_choice("--basis", params.basis, "Directional basis stored at each vertex");
   command.add_choice("--estimator", params.estimator,
                      "How photons count: by the length of their path in a cell (track), by the faces they cross,\n"

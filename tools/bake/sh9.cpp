@@ -62,6 +62,7 @@ void run_bake_sh9(const BakeSh9Options& options, const Command& command, const C
   const auto start = Clock::now();
   EnvironmentInput input = load_environment_input(options.environment);
   const auto loaded = Clock::now();
+  print_warnings(common, input.warnings);
   const RadianceMoments moments = radiance_moments(input.image);
   const Sh9 whole = sh9_from_moments(moments);
   const auto projected = Clock::now();
@@ -110,6 +111,7 @@ void run_bake_sh9(const BakeSh9Options& options, const Command& command, const C
         fmt::format("more than --max-error {:g}: nine coefficients are not enough, 'ivory bake difmap' keeps it all\n",
                     options.max_error);
   }
+  result["warnings"] = input.warnings;
   result["enough"] = asset.error.average <= options.max_error;
   if (least_e < 0 && options.window == "none")
     text += "the polynomial falls below zero for some normals (read as zero); --window auto smooths that away\n";

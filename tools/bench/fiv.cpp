@@ -13,6 +13,7 @@
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/environment.h"
+#include "tools/input/scene.h"
 #include "tools/stability/measure_fiv.h"
 #include "tracer/gltf/loader.h"
 
@@ -24,6 +25,7 @@ using Json = nlohmann::ordered_json;
 
 struct BenchFivOptions {
   std::string mesh;
+  SceneOptions load;
   EnvironmentChoice environment;
   std::string light;
   std::string samples = "64,33,30";
@@ -75,10 +77,11 @@ std::vector<Case> make_cases(const FivOccluder& occluder) {
           {"forty", wider, strewn()}};
 }
 
-CubeMap make_light(const BenchFivOptions& options) {
+CubeMap make_light(const BenchFivOptions& options, const CommonOptions& common) {
   if (options.light == "one") return one_light(32);
   if (options.light == "two") return two_area_lights(32);
   EnvironmentInput input = load_environment_input(options.environment);
+  print_warnings(common, input.warnings);
   return cube_from_environment(to_latlong(std::move(input.image)), options.truth_size);
 }
 
@@ -88,8 +91,8 @@ void run(const BenchFivOptions& options, const CommonOptions& common) {
   FivParams params;
   params.samples = parse_size3("--samples", options.samples, 3);
   params.hemispheres = 6;
-  const FivOccluder occluder = make_fiv_occluder(load_gltf(options.mesh).scene);
-  const CubeMap light = make_light(options);
+  const FivOccluder occluder = make_fiv_occluder(load_gltf(options.mesh, options.load.load).scene);
+  const CubeMap light = make_light(options, common);
   Progress progress(common, "measuring", "steps");
   Json result{{"mesh", options.mesh}, {"samples", {params.samples.x, params.samples.y, params.samples.z}}};
   std::string human;
@@ -155,6 +158,7 @@ void add_bench_fiv_command(Command bench, CommonOptions& common) {
   auto options = std::make_shared<BenchFivOptions>();
   command.add_option("MESH", options->mesh, "glTF file of the occluder").required();
   add_environment_options(command, options->environment);
+  add_scene_options(command, options->load);
   command.add_option("--light", options->light, "Instead of --env: one light of one texel, or two coloured discs")
       .one_of({"one", "two"});
   command.add_option("--samples", options->samples, "Of the table").type_name("NA,NP,ND");

@@ -63,6 +63,10 @@ void print_note(const CommonOptions& common, const std::string& line) {
   if (!common.quiet) print_stderr(line + "\n");
 }
 
+void print_warnings(const CommonOptions& common, const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) print_note(common, "warning: " + warning);
+}
+
 Progress::Progress(const CommonOptions& common, std::string label, std::string unit)
     : label_(std::move(label)), unit_(std::move(unit)), visible_(!common.quiet && ::isatty(STDERR_FILENO) == 1) {}
 

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -45,6 +46,8 @@ void print_result(const CommonOptions& common, const nlohmann::ordered_json& obj
 
 // A line for people on stderr, unless --quiet: what was chosen, what was ignored.
 void print_note(const CommonOptions& common, const std::string& line);
+// Such a line for each, "warning: " before it.
+void print_warnings(const CommonOptions& common, const std::vector<std::string>& warnings);
 
 // Work done, its rate and the time left, redrawn in place on stderr where that is a terminal;
 // silent otherwise and with --quiet. Thread-safe.

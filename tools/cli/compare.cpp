@@ -1,6 +1,9 @@
 // ivory compare: how far a picture is from a reference.
 #include "tracer/image/compare.h"
 
+#include <utility>
+#include <vector>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -19,8 +22,15 @@ struct CompareOptions {
   std::string second;
 };
 
-Film read_reference(const std::string& path, const std::string& image_path, const Film& image) {
-  Film reference = read_image(path);
+Film read_noting(const std::string& path, std::vector<std::string>& warnings) {
+  ImageFile file = read_image_file(path);
+  warnings.insert(warnings.end(), file.warnings.begin(), file.warnings.end());
+  return std::move(file.film);
+}
+
+Film read_reference(const std::string& path, const std::string& image_path, const Film& image,
+                    std::vector<std::string>& warnings) {
+  Film reference = read_noting(path, warnings);
   if (image.width != reference.width || image.height != reference.height) {
     throw Error(image_path,
                 fmt::format("is {} x {}, the reference {} is {} x {}", image.width, image.height, path, reference.width,
@@ -31,11 +41,14 @@ Film read_reference(const std::string& path, const std::string& image_path, cons
 }
 
 void run_compare(const CompareOptions& options, const CommonOptions& common) {
-  const Film image = read_image(options.image);
-  const Film reference = read_reference(options.reference, options.image, image);
+  std::vector<std::string> warnings;
+  const Film image = read_noting(options.image, warnings);
+  const Film reference = read_reference(options.reference, options.image, image, warnings);
   const bool two = !options.second.empty();
-  const ImageDifference d = two ? compare_images(image, reference, read_reference(options.second, options.image, image))
-                                : compare_images(image, reference);
+  const ImageDifference d =
+      two ? compare_images(image, reference, read_reference(options.second, options.image, image, warnings))
+          : compare_images(image, reference);
+  print_warnings(common, warnings);
   // JSON has no infinity: a flat reference gives null.
   nlohmann::ordered_json result;
   result["image"] = options.image;
@@ -47,6 +60,7 @@ void run_compare(const CompareOptions& options, const CommonOptions& common) {
   result["max"] = d.max;
   result["bias"] = d.bias;
   result["reference_mean"] = d.reference_mean;
+  result["warnings"] = warnings;
   result["nrmse_standard_error"] = d.nrmse_standard_error;
   result["relative_rmse_standard_error"] = d.relative_rmse_standard_error;
   std::string text = fmt::format(

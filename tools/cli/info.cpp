@@ -15,8 +15,10 @@
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/file_kind.h"
+#include "tools/input/hints.h"
 #include "tools/input/scene.h"
 #include "tools/input/vdb.h"
+#include "tracer/core/camera.h"
 
 namespace ivory {
 
@@ -74,11 +76,11 @@ Json spheres_json(const std::string& path) {
   return json;
 }
 
-Json scene_json(const std::string& path, const CommonOptions& common) {
+Json scene_json(const std::string& path, const SceneOptions& options, const CommonOptions& common) {
   // The warnings are part of the result here.
   CommonOptions silent = common;
   silent.quiet = true;
-  const auto input = load_scene_input(path, {}, silent);
+  const auto input = load_scene_input(path, options, {}, silent);
   const Scene& scene = *input.lit.scene;
   std::size_t triangles = 0;
   std::size_t placed = 0;
@@ -113,7 +115,13 @@ Json scene_json(const std::string& path, const CommonOptions& common) {
     json["bounds_max_m"] = vector_json(box.max);
   }
   json["power_lm"] = vector_json(input.lit.lights.total_power_lm());
-  json["warnings"] = input.warnings;
+  std::vector<std::string> warnings = input.warnings;
+  for (const Camera& camera : scene.cameras) {
+    if (const auto doubt = doubt_about(input.lit.intersector, make_view(path, camera, 4, 3), camera.name))
+      warnings.push_back(*doubt);
+  }
+  json["warnings"] = warnings;
+  json["hints"] = hints(input.lit);
   return json;
 }
 
@@ -158,11 +166,11 @@ std::string text_of(const Json& value) {
   return text;
 }
 
-void run_info(const std::string& path, const CommonOptions& common) {
+void run_info(const std::string& path, const SceneOptions& options, const CommonOptions& common) {
   Json json{{"file", path}};
   switch (const FileKind kind = file_kind(path)) {
     case FileKind::scene:
-      json.update(scene_json(path, common));
+      json.update(scene_json(path, options, common));
       break;
     case FileKind::grid:
       json.update(vdb_json(path));
@@ -186,10 +194,16 @@ void run_info(const std::string& path, const CommonOptions& common) {
       json.update(to_json(read_image_info(path)));
       break;
   }
+  // Assets keep them as lines of one text.
+  if (const auto assumptions = json.find("assumptions"); assumptions != json.end() && assumptions->is_string()) {
+    std::istringstream lines(assumptions->get<std::string>());
+    *assumptions = Json::array();
+    for (std::string line; std::getline(lines, line);) assumptions->push_back(line);
+  }
   std::string text;
   for (const auto& [key, value] : json.items()) {
-    if (key == "warnings") {
-      for (const Json& warning : value) text += fmt::format("{:<20} {}\n", "warning", text_of(warning));
+    if (key == "warnings" || key == "hints" || key == "assumptions") {
+      for (const Json& line : value) text += fmt::format("{:<20} {}\n", key.substr(0, key.size() - 1), text_of(line));
     } else if (value.is_array() && value.size() > 60) {
       text += fmt::format("{:<20} {} of them; --json lists all\n", key, value.size());
     } else {
@@ -204,15 +218,17 @@ void run_info(const std::string& path, const CommonOptions& common) {
 void add_info_command(Command app, CommonOptions& common) {
   Command command = app.add_subcommand("info", "What a file holds and how it was made: assets, parts, scenes, images");
   auto path = std::make_shared<std::string>();
+  auto options = std::make_shared<SceneOptions>();
   command.add_option("file", *path, "File: .vdb, .gltf, .glb, a baked .exr or .json, or an image")
       .required()
       .type_name("FILE");
+  add_scene_options(command, *options);
   command.footer(
       "Lengths are in metres, powers in lumen (R G B), irradiance in lux.\n"
       "\nExamples:\n"
       "  ivory info room.vdb\n"
       "  ivory info room.glb --json");
-  set_action(command, common, Output::none, [path, &common] { run_info(*path, common); });
+  set_action(command, common, Output::none, [path, options, &common] { run_info(*path, *options, common); });
 }
 
 }  // namespace ivory

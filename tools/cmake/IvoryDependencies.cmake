@@ -1,12 +1,16 @@
 # Every third party of what is built, found as a Debian 12 package.
 include(IvoryRuntimeDependencies)
 
+if(IVORY_BUILD_TRACER OR IVORY_BUILD_TESTS)
+  find_package(ZLIB REQUIRED)
+endif()
+pkg_check_modules(webp REQUIRED IMPORTED_TARGET libwebp)
+
 if(IVORY_BUILD_TRACER)
   find_package(embree 3 CONFIG REQUIRED)
   find_package(TinyGLTF CONFIG REQUIRED)
   find_package(meshoptimizer CONFIG REQUIRED)
   find_package(nanoflann CONFIG REQUIRED)
-  find_package(ZLIB REQUIRED)
   pkg_check_modules(draco REQUIRED IMPORTED_TARGET draco)
   # Random123 is headers only and ships no CMake package.
   find_path(RANDOM123_INCLUDE_DIR Random123/philox.h REQUIRED)

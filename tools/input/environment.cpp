@@ -1,9 +1,11 @@
 #include "tools/input/environment.h"
 
 #include <filesystem>
+#include <utility>
 
 #include "grid/base/error.h"
 #include "grid/io/file.h"
+#include "tools/input/assumptions.h"
 
 namespace ivory {
 
@@ -36,13 +38,15 @@ EnvironmentInput load_environment_input(const EnvironmentChoice& choice) {
   std::optional<EnvironmentLayout> layout;
   if (!choice.layout.empty()) layout = from_name<EnvironmentLayout>(choice.layout);
   const std::string hash = file_hash(choice.path);
-  EnvironmentInput input{load_environment_image(choice.path, layout), {}};
+  LoadedEnvironment loaded = load_environment_image(choice.path, layout);
   // The hash is to be that of the image.
   if (file_hash(choice.path) != hash)
     throw Error(choice.path, "changed while it was read", "try again when it is written");
+  EnvironmentInput input{std::move(loaded.image), std::move(loaded.facts), std::move(loaded.warnings)};
   input.origin["environment"] = std::filesystem::path(choice.path).filename().string();
   input.origin["environment_hash"] = hash;
   input.origin["environment_layout"] = std::string(name_of(input.image.layout));
+  keep_assumptions(input.origin, input.warnings);
   return input;
 }
 

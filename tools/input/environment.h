@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "grid/base/metadata.h"
 #include "grid/env/environment_image.h"
@@ -24,7 +25,10 @@ void add_environment_options(Command command, EnvironmentChoice& choice, const s
 
 struct EnvironmentInput {
   EnvironmentImage image;
-  Metadata origin;  // environment (name without folder), environment_hash (of its bytes), environment_layout
+  // environment (name without folder), environment_hash (of its bytes), environment_layout; where there is something to
+  // say environment_color_space, environment_layer, and all warnings as "assumptions"
+  Metadata origin;
+  std::vector<std::string> warnings;  // of load_environment_image(), not printed yet
 };
 
 // Throws Error as load_environment_image() does.

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
-#include "tools/input/scene.h"
 #include "tracer/gltf/loader.h"
 
 namespace ivory {
@@ -85,7 +84,8 @@ std::optional<ObjectFile> parse_object(const std::string& text) {
   return ObjectFile{text.substr(0, at), parse_vector3("--object", text.substr(at + 1))};
 }
 
-std::vector<bool> place_objects(Scene& scene, const std::vector<std::string>& objects, const CommonOptions& common) {
+std::vector<bool> place_objects(Scene& scene, const std::vector<std::string>& objects, const SceneOptions& options,
+                                const CommonOptions& common) {
   std::vector<bool> is_object(scene.instances.size(), false);
   for (const std::string& text : objects) {
     const std::optional<ObjectFile> file = parse_object(text);
@@ -94,8 +94,8 @@ std::vector<bool> place_objects(Scene& scene, const std::vector<std::string>& ob
       for (std::size_t i = 0; i < found.size(); ++i) is_object[i] = is_object[i] || found[i];
       continue;
     }
-    LoadedScene loaded = load_gltf(file->path);
-    for (const std::string& warning : loaded.warnings) print_note(common, "warning: " + warning);
+    LoadedScene loaded = load_gltf(file->path, object_params(options));
+    print_warnings(common, loaded.warnings);
     if (loaded.scene.instances.empty())
       throw Error(file->path, "has no triangles", "give --object a model with a mesh");
     if (!loaded.scene.lights.empty())
@@ -159,8 +159,6 @@ void empty_unused(Scene& scene) {
 }
 
 }  // namespace
-
-void remove_node(Scene& scene, const std::string& name) { remove_instances(scene, instances_below(scene, name)); }
 
 Scene take_node(Scene& scene, const std::string& name) {
   const std::vector<bool> found = instances_below(scene, name);

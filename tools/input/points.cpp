@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -65,8 +66,9 @@ void write_points_csv(const std::string& path, bool force, const PointsTable& ta
   text += '\n';
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     const Rgb& s = standard_error[i];
-    text += fmt::format("{},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g}\n", table.rows[i], e[i].x, e[i].y, e[i].z, s.x,
-                        s.y, s.z);
+    text += fmt::format("{},{:.9g},{:.9g},{:.9g}", table.rows[i], e[i].x, e[i].y, e[i].z);
+    for (unsigned c = 0; c < 3; ++c) text += std::isnan(s[c]) ? std::string(",") : fmt::format(",{:.9g}", s[c]);
+    text += '\n';
   }
   write_file(path, text, force);
 }

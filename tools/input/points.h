@@ -20,8 +20,8 @@ struct PointsTable {
 // are no finite number and normals of no length; and for columns that write_points_csv() would add.
 PointsTable read_points_csv(const std::string& path);
 
-// The table with columns r,g,b (E in lux) and r_se,g_se,b_se (standard errors) added, nine
-// significant digits.
+// The table with columns r,g,b (E in lux) and r_se,g_se,b_se (standard errors; empty where they are not numbers) added,
+// nine significant digits.
 void write_points_csv(const std::string& path, bool force, const PointsTable& table, const std::vector<Rgb>& e,
                       const std::vector<Rgb>& standard_error);
 

@@ -3,6 +3,7 @@
 #include "grid/io/environment.h"
 
 #include <algorithm>
+#include <utility>
 
 #include <tbb/parallel_for.h>
 
@@ -63,14 +64,18 @@ ProbeSource make_environment_source() {
   source.matches = [](const std::string& path) { return file_kind(path) == FileKind::image; };
   source.probe = [](const ProbeRequest& request) {
     refuse_indirect_only(request);
-    const EnvironmentImage image = load_environment_image(request.source);
+    LoadedEnvironment loaded = load_environment_image(request.source);
+    print_warnings(request.common, loaded.warnings);
+    const EnvironmentImage& image = loaded.image;
     const IrradianceSums sums = sum_irradiance(image, request.table.n);
     ProbeEstimates out;
     for (const V3d& e : sums.e) out.e.emplace_back(e);
     out.standard_error.assign(out.e.size(), Rgb(0, 0, 0));
+    out.warnings = std::move(loaded.warnings);
     out.facts = {{"source", std::string("environment")},
                  {"layout", std::string(name_of(image.layout))},
                  {"error_bound_lux", std::max({sums.error_bound.x, sums.error_bound.y, sums.error_bound.z})}};
+    out.facts.merge(loaded.facts);
     return out;
   };
   return source;

@@ -25,6 +25,7 @@ Film render_cubemap(const CubemapOptions& options, const RenderRequest& request)
   const CommonOptions& common = request.common;
   const LocalizedCube cube = read_localized_cube(options.path);
   check_environment(options.path, cube.metadata, request.input);
+  check_scale(options.path, cube.metadata, request.input.origin);
   if (const auto baked = find_text(cube.metadata, "scene_hash");
       baked && *baked != request.input.lit.scene->content_hash)
     print_note(common, fmt::format("note: {} was baked from another scene", options.path));

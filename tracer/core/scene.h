@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <variant>
@@ -139,6 +140,9 @@ struct Camera {
   bool perspective = true;
   float yfov_rad = 0.8F;  // perspective
   float ymag_m = 1;       // orthographic half height
+  // What lies nearer or farther along the direction it looks in is not seen.
+  float near_m = 0;
+  float far_m = std::numeric_limits<float>::infinity();
 };
 
 struct PointLight {
@@ -149,8 +153,8 @@ struct SpotLight {
   V3f position;
   V3f direction;  // unit, the way the light shines
   Rgb intensity_cd;
-  float inner_angle_rad = 0;
-  float outer_angle_rad = pi / 4;
+  float inner_angle_rad = 0;       // up to the outer angle: a hard edge
+  float outer_angle_rad = pi / 4;  // above 0, up to pi / 2
 };
 struct DirectionalLight {
   V3f direction;  // unit, the way the light travels

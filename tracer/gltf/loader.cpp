@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include "grid/base/error.h"
 #include "tracer/gltf/accessors.h"
 #include "tracer/gltf/document.h"
 #include "tracer/gltf/images.h"
 #include "tracer/gltf/materials.h"
 #include "tracer/gltf/meshes.h"
 #include "tracer/gltf/nodes.h"
+#include "tracer/gltf/pose/animations.h"
 #include "tracer/gltf/schema/check.h"
 
 namespace ivory {
@@ -29,7 +31,7 @@ void drop_unused_meshes(Scene& scene) {
 
 }  // namespace
 
-LoadedScene load_gltf(const std::string& path) {
+LoadedScene load_gltf(const std::string& path, const LoadParams& params) {
   gltf::Document document;
   document.path = path;
   gltf::read_json(document);
@@ -38,6 +40,11 @@ LoadedScene load_gltf(const std::string& path) {
   gltf::read_buffers(document);
   gltf::parse_model(document);
   gltf::check_accessors(document);
+  if (!params.time_s && !params.animation.empty()) throw ParameterError("animation", "is of no use without a time");
+  if (params.time_s)
+    gltf::apply_animation(document, params.animation, *params.time_s);
+  else
+    gltf::warn_of_animations(document);
 
   LoadedScene loaded;
   Scene& scene = loaded.scene;
@@ -46,11 +53,10 @@ LoadedScene load_gltf(const std::string& path) {
   scene.textures = gltf::make_textures(document);
   gltf::MeshSet meshes = gltf::make_meshes(document, scene.materials);
   scene.meshes = std::move(meshes.meshes);
-  gltf::place_nodes(document, meshes, scene);
+  std::vector<char> material_used = gltf::place_nodes(document, meshes, params, scene);
   drop_unused_meshes(scene);
   if (scene.instances.empty()) document.warn("has no triangles in its scene");
 
-  std::vector<char> material_used(scene.materials.size(), 0);
   for (const Mesh& mesh : scene.meshes) material_used[std::size_t(mesh.material)] = 1;
   gltf::load_images(document, material_used, scene);
   scene.content_hash = fmt::format("{:016x}", document.hash);

@@ -2,17 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <map>
 #include <optional>
 #include <set>
+#include <tuple>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "tracer/gltf/accessors.h"
-#include "tracer/gltf/draco.h"
+#include "grid/base/memory.h"
+#include "tracer/gltf/attributes.h"
 #include "tracer/gltf/geometry.h"
 #include "tracer/gltf/materials.h"
+#include "tracer/gltf/node_tree.h"
+#include "tracer/gltf/pose/morphs.h"
+#include "tracer/gltf/pose/skins.h"
 
 namespace ivory::gltf {
 namespace {
@@ -22,39 +26,6 @@ using Triangle = Imath::Vec3<std::uint32_t>;
 
 // Squares of products of coordinates stay within float.
 constexpr float max_coordinate_m = 1e9F;
-
-// Where a primitive's attributes come from: accessors, or its Draco data.
-struct Attributes {
-  const Document& document;
-  const tinygltf::Primitive& primitive;
-  std::optional<DracoMesh> draco;
-  std::string what;
-  // The vertices that the triangles span: many files keep all primitives in one long array.
-  Range range{};
-
-  bool has(const std::string& name) const { return primitive.attributes.contains(name); }
-  const tinygltf::Accessor& accessor(const std::string& name) const {
-    return document.model.accessors[std::size_t(primitive.attributes.at(name))];
-  }
-
-  template <class Vector, int n>
-  std::vector<Vector> read(const std::string& name) const {
-    const std::string user = what + " " + name;
-    const std::size_t vertices = accessor("POSITION").count;
-    if (accessor(name).count != vertices)
-      document.fail(fmt::format("{} of {} vertices but POSITION of {}", user, accessor(name).count, vertices), remedy);
-    if (draco && draco->has(name)) {
-      const std::vector<float> floats = draco->floats(document, name, n);
-      std::vector<Vector> result(floats.size() / n);
-      if (!floats.empty()) std::memcpy(static_cast<void*>(result.data()), floats.data(), floats.size() * sizeof(float));
-      return result;
-    }
-    const int index = primitive.attributes.at(name);
-    if constexpr (n == 2) return read_vec2(document, index, user, range);
-    if constexpr (n == 3) return read_vec3(document, index, user, range);
-    if constexpr (n == 4) return read_vec4(document, index, user, range);
-  }
-};
 
 bool is_integer(int type) { return type != TINYGLTF_COMPONENT_TYPE_FLOAT; }
 bool is_unsigned_small(int type) {
@@ -122,35 +93,6 @@ void read_triangles(Document& document, Attributes& attributes, int mode, Mesh& 
     for (std::uint32_t& index : indices) index -= std::uint32_t(attributes.range.first);
   }
   mesh.triangles = triangulate(indices, mode);
-}
-
-// Rest pose of a morphed mesh: base + sum of default weights times displacements.
-void apply_morph_targets(Document& document, const Attributes& attributes, const std::vector<double>& weights,
-                         Mesh& mesh) {
-  const auto& targets = attributes.primitive.targets;
-  for (std::size_t t = 0; t < targets.size(); ++t)
-    for (const auto& [name, accessor] : targets[t])
-      if (document.model.accessors[std::size_t(accessor)].count != attributes.accessor("POSITION").count)
-        document.fail(fmt::format("{} has {} of target {} for another number of vertices", attributes.what, name, t),
-                      remedy);
-  for (std::size_t t = 0; t < targets.size() && t < weights.size(); ++t) {
-    const float weight = float(weights[t]);
-    if (weight == 0) continue;
-    const auto displace = [&](const char* name, auto& base) {
-      const auto found = targets[t].find(name);
-      if (found == targets[t].end() || base.empty()) return;
-      const std::vector<V3f> delta = read_vec3(
-          document, found->second, fmt::format("{} target {} {}", attributes.what, t, name), attributes.range);
-      for (std::size_t i = 0; i < delta.size(); ++i) {
-        base[i].x += weight * delta[i].x;
-        base[i].y += weight * delta[i].y;
-        base[i].z += weight * delta[i].z;
-      }
-    };
-    displace("POSITION", mesh.positions);
-    displace("NORMAL", mesh.normals);
-    displace("TANGENT", mesh.tangents);
-  }
 }
 
 void check_positions(const Document& document, const Attributes& attributes, const Mesh& mesh) {
@@ -259,8 +201,19 @@ void read_uvs(Document& document, const Attributes& attributes, std::vector<Mate
   materials.push_back(std::move(reduced));
 }
 
-std::optional<Mesh> make_mesh(Document& document, std::size_t mesh_index, std::size_t primitive_index,
-                              std::vector<Material>& materials, int default_material) {
+// How a node shows a mesh.
+struct Pose {
+  const std::vector<double>& weights;  // of its morph targets
+  const Skin* skin = nullptr;          // null: it is rigid
+};
+
+struct PosedMesh {
+  Mesh mesh;
+  bool skinned = false;
+};
+
+std::optional<PosedMesh> make_mesh(Document& document, std::size_t mesh_index, std::size_t primitive_index,
+                                   const Pose& pose, std::vector<Material>& materials, int default_material) {
   const tinygltf::Mesh& source = document.model.meshes[mesh_index];
   const tinygltf::Primitive& primitive = source.primitives[primitive_index];
   const std::string what = label("meshes", mesh_index, source.name) + fmt::format(" primitive {}", primitive_index);
@@ -301,8 +254,11 @@ std::optional<Mesh> make_mesh(Document& document, std::size_t mesh_index, std::s
     check_format(attributes, "TANGENT");
     mesh.tangents = attributes.read<V4f, 4>("TANGENT");
   }
-  apply_morph_targets(document, attributes, source.weights, mesh);
-  if (!primitive.targets.empty()) document.warn(what + " is morphed; its rest pose is taken");
+  apply_morphs(document, attributes, pose.weights, mesh);
+  const bool skinned = pose.skin != nullptr && is_skinned(attributes);
+  if (skinned) apply_skin(document, attributes, *pose.skin, mesh);
+  if (pose.skin != nullptr && !skinned)
+    document.warn(what + " is shown with a skin but has no joints; its node's transform places it");
   check_positions(document, attributes, mesh);
 
   const std::size_t dropped = drop_degenerate_triangles(mesh);
@@ -317,24 +273,85 @@ std::optional<Mesh> make_mesh(Document& document, std::size_t mesh_index, std::s
     if (mesh.normals.empty()) make_flat_normals(mesh);
     generate_tangents(mesh, normal_use);
   }
-  return mesh;
+  return PosedMesh{std::move(mesh), skinned};
 }
+
+class Maker {
+ public:
+  Maker(Document& document, std::vector<Material>& materials)
+      : document_(document), materials_(materials), default_material_(int(materials.size()) - 1) {}
+
+  // In the pose that the mesh itself stores.
+  void add_meshes() {
+    for (std::size_t m = 0; m < document_.model.meshes.size(); ++m)
+      of_mesh_.push_back(add(m, {document_.model.meshes[m].weights}));
+  }
+
+  void add_nodes() {
+    for (std::size_t n = 0; n < document_.model.nodes.size(); ++n) {
+      const tinygltf::Node& node = document_.model.nodes[n];
+      set_.of_node.push_back(node.mesh < 0 ? std::vector<int>{} : shown_by(node));
+    }
+  }
+
+  MeshSet take() { return std::move(set_); }
+
+ private:
+  std::vector<int> add(std::size_t mesh, const Pose& pose) {
+    std::vector<int> indices;
+    for (std::size_t p = 0; p < document_.model.meshes[mesh].primitives.size(); ++p) {
+      std::optional<PosedMesh> made = make_mesh(document_, mesh, p, pose, materials_, default_material_);
+      if (!made) continue;
+      indices.push_back(int(set_.meshes.size()));
+      set_.meshes.push_back(std::move(made->mesh));
+      set_.world_origin.push_back(made->skinned ? std::optional(pose.skin->origin) : std::nullopt);
+      const int material = document_.model.meshes[mesh].primitives[p].material;
+      set_.unlit.push_back(is_unlit(document_, material) ? material : no_index);
+    }
+    return indices;
+  }
+
+  std::vector<int> shown_by(const tinygltf::Node& node) {
+    const auto mesh = std::size_t(node.mesh);
+    const std::vector<double>& own = document_.model.meshes[mesh].weights;
+    const std::vector<double>& weights = node.weights.empty() ? own : node.weights;
+    if (node.skin < 0 && weights == own) return of_mesh_[mesh];
+    const auto key = std::tuple(node.mesh, node.skin, weights);
+    const auto known = posed_.find(key);
+    if (known != posed_.end()) return known->second;
+    for (const int shared : of_mesh_[mesh]) {
+      const Mesh& m = set_.meshes[std::size_t(shared)];
+      bytes_ += double(m.positions.size()) * bytes_per_vertex + double(m.triangles.size()) * bytes_per_triangle;
+    }
+    check_memory(document_.path, bytes_, "pose fewer meshes by skins and morph weights of their own");
+    return posed_[key] = add(mesh, {weights, node.skin < 0 ? nullptr : &skin(std::size_t(node.skin))});
+  }
+
+  const Skin& skin(std::size_t index) {
+    if (to_world_.empty()) to_world_ = world_matrices(document_);
+    const auto known = skins_.find(index);
+    return known != skins_.end() ? known->second
+                                 : skins_.emplace(index, make_skin(document_, index, to_world_)).first->second;
+  }
+
+  Document& document_;
+  std::vector<Material>& materials_;
+  int default_material_;
+  MeshSet set_;
+  std::vector<std::vector<int>> of_mesh_;
+  std::map<std::tuple<int, int, std::vector<double>>, std::vector<int>> posed_;
+  std::vector<Imath::M44d> to_world_;  // [node], once a skin asks for it
+  std::map<std::size_t, Skin> skins_;
+  double bytes_ = 0;  // of the meshes that single nodes show
+};
 
 }  // namespace
 
 MeshSet make_meshes(Document& document, std::vector<Material>& materials) {
-  const int default_material = int(materials.size()) - 1;
-  MeshSet set;
-  for (std::size_t m = 0; m < document.model.meshes.size(); ++m) {
-    std::vector<int>& indices = set.of_mesh.emplace_back();
-    for (std::size_t p = 0; p < document.model.meshes[m].primitives.size(); ++p) {
-      std::optional<Mesh> mesh = make_mesh(document, m, p, materials, default_material);
-      if (!mesh) continue;
-      indices.push_back(int(set.meshes.size()));
-      set.meshes.push_back(std::move(*mesh));
-    }
-  }
-  return set;
+  Maker maker(document, materials);
+  maker.add_meshes();
+  maker.add_nodes();
+  return maker.take();
 }
 
 }  // namespace ivory::gltf

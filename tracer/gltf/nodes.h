@@ -3,6 +3,7 @@
 
 #include "tracer/core/scene.h"
 #include "tracer/gltf/document.h"
+#include "tracer/gltf/loader.h"
 #include "tracer/gltf/meshes.h"
 
 namespace ivory::gltf {
@@ -11,6 +12,8 @@ namespace ivory::gltf {
 // and fills scene.instances, cameras and lights. Throws Error for cycles, nodes with two parents,
 // scenes that list a node which is not a root, and transforms that are not finite. A mesh that its
 // node flattens is copied in world space, appended to scene.meshes.
-void place_nodes(Document& document, const MeshSet& meshes, Scene& scene);
+// Returns for each material whether nodes show it that params.without leaves out: its images are part of the scene's
+// content all the same.
+std::vector<char> place_nodes(Document& document, const MeshSet& meshes, const LoadParams& params, Scene& scene);
 
 }  // namespace ivory::gltf

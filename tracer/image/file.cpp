@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
+#include <utility>
 #include <vector>
 
 #include "grid/base/error.h"
-#include "grid/base/memory.h"
 #include "grid/io/file.h"
 #include "grid/io/image_codec.h"
+#include "grid/io/picture/picture.h"
 
 namespace ivory {
 
@@ -21,7 +21,7 @@ float srgb_from_linear(float x) { return x <= 0.0031308F ? 12.92F * x : 1.055F *
 
 void check_image_name(const std::string& path) {
   if (!image_codec().can_write(path))
-    throw Error(path, "has no extension that names an image format", "end it in .exr or .png");
+    throw Error(path, "has no extension of an image format that ivory writes", "end it in .exr or .png");
 }
 
 bool is_linear_image(const std::string& path) {
@@ -37,12 +37,12 @@ namespace {
 // Three channels from `pixels`, whose values are of the type `type`.
 void write_pixels(const std::string& path, int width, int height, PixelType type, const void* pixels,
                   const Metadata& metadata, bool force) {
-  PendingFile pending(path, force);
   check_image_name(path);
   const ImageToWrite image{width, height, type, pixels, is_linear_image(path), metadata};
-  if (const std::string cause = image_codec().write(pending.temporary(), image); !cause.empty())
-    throw Error(path, "cannot be written (" + cause + ")", "check the disk and the extension");
-  pending.commit();
+  std::string cause;
+  const std::vector<std::uint8_t> bytes = image_codec().encode(path, image, cause);
+  if (bytes.empty()) throw Error(path, "cannot be written (" + cause + ")", "end it in .exr or .png");
+  write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, force);
 }
 
 }  // namespace
@@ -67,30 +67,19 @@ void write_display_image(const std::string& path, const DisplayImage& image, con
   write_pixels(path, image.width, image.height, PixelType::uint8, image.rgb.data(), metadata, force);
 }
 
-Film read_image(const std::string& path) {
-  std::string cause;
-  const std::unique_ptr<OpenImage> image = image_codec().open(path, cause);
-  if (!image) throw Error(path, "cannot be read as an image", "give an EXR or other image file");
-  const ImageHeader& header = image->header;
-  if (header.depth > 1) throw Error(path, "is a volume, no image", "give an EXR or other image file");
-  const int channels = header.channels >= 3 ? 3 : 1;
-  Film film;
-  film.width = header.width;
-  film.height = header.height;
-  const auto count = std::size_t(header.width) * std::size_t(header.height);
-  check_memory(path, double(count) * (4.0 * channels + 12), "scale it down");
-  std::vector<float> data(count * std::size_t(channels));
-  film.pixels.resize(count);
-  if (cause = image->read(channels, PixelType::float32, data.data()); !cause.empty())
-    throw Error(path, "is damaged (" + cause + ")", "write it again");
-  for (std::size_t i = 0; i < count; ++i) {
-    const float* p = data.data() + i * std::size_t(channels);
-    film.pixels[i] = channels == 3 ? Rgb(p[0], p[1], p[2]) : Rgb(p[0], p[0], p[0]);
-    for (int c = 0; c < 3; ++c) {
-      if (!std::isfinite(film.pixels[i][c])) throw Error(path, "holds values that are not finite", "render it again");
-    }
-  }
-  return film;
+ImageFile read_image_file(const std::string& path) {
+  StoredPicture picture = read_picture(path, "give an EXR or other image file");
+  for (const Rgb& texel : picture.texels)
+    for (int c = 0; c < 3; ++c)
+      if (!std::isfinite(texel[c])) throw Error(path, "holds values that are not finite", "render it again");
+  ImageFile file;
+  file.film.width = picture.width;
+  file.film.height = picture.height;
+  file.film.pixels = std::move(picture.texels);
+  for (const std::string& warning : picture.warnings) file.warnings.push_back(path + ": " + warning);
+  return file;
 }
+
+Film read_image(const std::string& path) { return read_image_file(path).film; }
 
 }  // namespace ivory

@@ -33,8 +33,15 @@ struct DisplayImage {
 // Writes them as they are, to a name that is_linear_image() is false for. Throws as write_image() does.
 void write_display_image(const std::string& path, const DisplayImage& image, const Metadata& metadata, bool force);
 
-// The first three channels as they are in the file (display images are not linearised), one channel
-// as grey. Throws Error for unreadable files and values that are not finite.
+// Red, green and blue as they are in the file, upright (grid/io/picture/picture.h; display images are not linearised),
+// one channel as grey. Throws Error for unreadable files and values that are not finite.
 Film read_image(const std::string& path);
+
+// The same of files by other programs, with what was assumed of them, one line each: the layer taken, for instance.
+struct ImageFile {
+  Film film;
+  std::vector<std::string> warnings;
+};
+ImageFile read_image_file(const std::string& path);
 
 }  // namespace ivory

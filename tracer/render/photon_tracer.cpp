@@ -38,7 +38,8 @@ PhotonLedger& PhotonLedger::operator+=(const PhotonLedger& other) {
   return *this;
 }
 
-PhotonTracer::PhotonTracer(const LitScene& lit, const PhotonParams& params) : lit_(lit), params_(params) {
+PhotonTracer::PhotonTracer(const LitScene& lit, const PhotonParams& params)
+    : lit_(lit), params_(params), emission_(lit.lights.emission(params.target)) {
   // A photon carries about the total power; 2^-20 of it leaves 2^40 photons to the integers.
   const Rgb power = lit.lights.total_power_lm();
   ledger_unit_lm_ = std::max(double(power.x) + power.y + power.z, 1e-30) * 0x1p-20;
@@ -55,7 +56,7 @@ void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLed
 
   for (std::uint64_t index = begin; index < end; ++index) {
     RandomStream random(params_.seed, StreamPurpose::photon, index);
-    const EmittedPhoton photon = lit_.lights.emit(random);
+    const EmittedPhoton photon = lit_.lights.emit(emission_, random);
     Ray ray{.origin = photon.origin, .direction = photon.direction};
     Rgb power = photon.power;
     std::int64_t carried = units(power);

@@ -4,10 +4,13 @@
 
 #include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
+#include <webp/encode.h>
 
 #include "grid/base/error.h"
 #include "tests/support/gltf_check.h"
+#include "tracer/core/intersector.h"
 #include "tracer/core/texture.h"
+#include "tracer/lights/triangle.h"
 
 namespace ivory {
 namespace {
@@ -232,6 +235,18 @@ TEST(GltfMaterials, ImagesKeepTheirColourBehindAlpha) {
   scene = load(textured({{"uri", "rgb%20space.png"}}).write("image_rgb")).scene;
   EXPECT_EQ(scene.images.at(0).rgba, (std::vector<std::uint8_t>{1, 2, 3, 255}));
 
+  // As WebP, which image libraries like to multiply by alpha.
+  const std::vector<std::uint8_t> rgba{200, 100, 50, 16, 10, 20, 30, 128};
+  std::uint8_t* webp = nullptr;
+  const std::size_t size = WebPEncodeLosslessRGBA(rgba.data(), 2, 1, 8, &webp);
+  GltfBuilder::write_file(GltfBuilder::folder() + "/alpha.webp", {reinterpret_cast<const char*>(webp), size});
+  WebPFree(webp);
+  GltfBuilder as_webp = textured({{"uri", "alpha.webp"}, {"mimeType", "image/webp"}});
+  as_webp.use_extension("EXT_texture_webp");
+  as_webp.root["textures"] = {{{"extensions", {{"EXT_texture_webp", {{"source", 0}}}}}}};
+  scene = load(as_webp.write("image_webp")).scene;
+  EXPECT_EQ(scene.images.at(0).rgba, rgba);
+
   // From a buffer view.
   const std::string png = read_file(GltfBuilder::folder() + "/alpha.png");
   GltfBuilder embedded = textured(json::object());
@@ -309,6 +324,32 @@ TEST(GltfMaterials, TangentsFollowTheTexture) {
   for (const auto& t : mesh.triangles) EXPECT_EQ(mesh.tangents[t.x].w, mesh.tangents[t.y].w);
   EXPECT_NE(mesh.tangents[mesh.triangles[0].x].w, mesh.tangents[mesh.triangles[1].x].w);
   EXPECT_EQ(mesh.positions.size(), 6U);
+}
+
+// An unlit dome around a lit square: the sun reaches it, and its box is the scene's. Emission that the file gives it
+// besides is none either (KHR_materials_unlit).
+TEST(GltfMaterials, UnlitSurfacesNeitherHideNorShine) {
+  GltfBuilder builder;
+  builder.use_extension("KHR_materials_unlit");
+  builder.root["materials"] = {
+      {{"name", "sky"}, {"emissiveFactor", {1, 1, 1}}, {"extensions", {{"KHR_materials_unlit", json::object()}}}}};
+  const int ground = builder.add_triangle_mesh();
+  const int dome = builder.add_triangle_mesh();
+  builder.root["meshes"][std::size_t(dome)]["primitives"][0]["material"] = 0;
+  builder.add_node({{"mesh", ground}});
+  builder.add_node({{"mesh", dome}, {"scale", {100, 100, 1}}, {"translation", {-20, -20, 3}}});
+  builder.add_node({{"mesh", dome}, {"scale", {100, 100, 1}}, {"translation", {-20, -20, -3}}});
+  const LoadedScene loaded = load(builder, "dome");
+  EXPECT_TRUE(has_warning(loaded, "materials[0] 'sky' is unlit"));
+  EXPECT_TRUE(has_warning(loaded, "(2 triangles)"));
+  EXPECT_EQ(loaded.warnings.size(), 1U);
+  EXPECT_EQ(loaded.scene.instances.size(), 1U);
+  EXPECT_EQ(bounds(loaded.scene).max, V3f(1, 1, 0));
+  EXPECT_TRUE(make_triangle_lights(loaded.scene).empty());
+  Ray up;
+  up.origin = V3f(0.2F, 0.2F, 0.1F);
+  up.direction = V3f(0, 0, 1);
+  EXPECT_EQ(Intersector(loaded.scene).transmittance(up), 1);
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "grid/base/error.h"
 #include "grid/env/latlong_map.h"
 #include "grid/io/environment.h"
+#include "tests/support/full_disk.h"
 #include "tests/support/paths.h"
 #include "tracer/core/camera.h"
 #include "tracer/image/compare.h"
@@ -155,6 +156,51 @@ TEST_F(Images, AreWrittenWholeOrNotAtAll) {
   EXPECT_EQ(file_count(), 1U);  // nothing temporary is left
 }
 
+// A disk that is full in the middle of a picture: an error, the old file as it was, and nothing beside it.
+TEST_F(Images, AFullDiskIsAnErrorInEveryFormat) {
+  Film film = make_film(64, 64);
+  for (std::size_t i = 0; i < film.pixels.size(); ++i)  // hard to pack
+    film.pixels[i] = Rgb(float(i * 7919 % 256), float(i * 104729 % 251), float(i * 1299709 % 241)) / 128;
+  DisplayImage display{64, 64, {}};
+  for (const Rgb& p : film.pixels)
+    for (int c = 0; c < 3; ++c) display.rgb.push_back(std::uint8_t(p[c] * 127));
+  std::size_t count = 0;
+  for (const char* extension :
+       {"exr", "hdr", "tif", "png", "jpg", "tga", "bmp", "gif", "webp", "ppm", "dpx", "iff", "jp2"}) {
+    const std::string file = path(std::string("a.") + extension);
+    const bool linear = is_linear_image(file);
+    const auto write = [&](bool force) {
+      if (linear)
+        write_image(file, film, 0, {}, force);
+      else
+        write_display_image(file, display, {}, force);
+    };
+    write(false);
+    ++count;
+    const std::string whole = bytes_of(file);
+    ASSERT_GT(whole.size(), 2000U) << extension;
+    for (const std::size_t room : {std::size_t(0), std::size_t(1), whole.size() / 2, whole.size() - 1}) {
+      const FullDisk full(room);
+      try {
+        write(true);
+        ADD_FAILURE() << extension << " with room for " << room;
+      } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("make room"), std::string::npos) << error.what();
+      }
+      EXPECT_EQ(bytes_of(file), whole) << extension;
+      EXPECT_EQ(file_count(), count) << extension;
+    }
+    const FullDisk enough(whole.size());
+    write(true);
+    EXPECT_EQ(bytes_of(file), whole) << extension;
+  }
+  // Formats that only write to files, and one that writes nothing.
+  for (const char* name : {"a.sgi", "a.ico", "a.rla", "a.fits", "a.null"}) {
+    EXPECT_THROW(write_image(path(name), film, 0, {}, false), Error) << name;
+    EXPECT_FALSE(fs::exists(path(name)));
+  }
+}
+
 TEST_F(Images, BadFilesAreRefused) {
   EXPECT_THROW(read_image(path("missing.exr")), Error);
   std::ofstream(path("text.exr")) << "not an image";
@@ -178,7 +224,7 @@ TEST_F(Images, EnvironmentsAreLatLongFiniteAndNotNegative) {
   EXPECT_EQ(map.radiance, film.pixels);
   write_image(path("shapeless.exr"), make_film(5, 4), 0, {}, false);
   EXPECT_THROW(load_environment(path("shapeless.exr")), Error);
-  film.pixels[3].x = -1;
+  film.pixels[3].x = -100;
   write_image(path("negative.exr"), film, 0, {}, false);
   EXPECT_THROW(load_environment(path("negative.exr")), Error);
   film.pixels[3].x = std::numeric_limits<float>::infinity();

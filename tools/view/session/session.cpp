@@ -34,7 +34,7 @@ void add_object(ViewSession& session, ViewObject object) {
 }
 
 ViewObject load_object(ViewSession& session, const std::string& path, const V3f& offset_m) {
-  LoadedScene loaded = load_gltf(path);
+  LoadedScene loaded = load_gltf(path, object_params(session.load));
   append(session.notes, loaded.warnings, "warning: ");
   if (!loaded.scene.lights.empty() || !loaded.scene.sphere_lights.empty())
     session.notes.push_back(fmt::format("note: the lights of {} are left out", path));
@@ -45,6 +45,7 @@ ViewObject load_object(ViewSession& session, const std::string& path, const V3f&
 void set_environment(ViewSession& session, const EnvironmentChoice& choice) {
   constexpr int difmap_size = 64;
   EnvironmentInput input = load_environment_input(choice);
+  append(session.notes, input.warnings, "warning: ");
   DifMap difmap;
   difmap.e = bake_irradiance(make_irradiance_tree(input.image), difmap_size).e;
   difmap.metadata = input.origin;
@@ -114,7 +115,8 @@ std::size_t ViewSession::bytes() const {
 
 ViewSession open_session(const SessionInput& input) {
   ViewSession session;
-  LoadedScene loaded = load_gltf(input.scene);
+  session.load = input.load;
+  LoadedScene loaded = load_gltf(input.scene, input.load.load);
   append(session.notes, loaded.warnings, "warning: ");
   std::vector<ViewObject> objects;
   if (input.paths.size() > input.objects.size())
@@ -218,7 +220,9 @@ std::string add_file(ViewSession& session, const std::string& path, const std::o
 void set_reference(ViewSession& session, const std::string& path, const Imath::V2i& size) {
   ReferencePicture reference;
   reference.path = path;
-  reference.film = read_image(path);
+  ImageFile file = read_image_file(path);
+  append(session.notes, file.warnings, "warning: ");
+  reference.film = std::move(file.film);
   reference.is_display = !is_linear_image(path);
   const Film& film = reference.film;
   if (film.width != size.x || film.height != size.y) {

@@ -10,6 +10,7 @@
 #include "runtime/assets/fiv.h"
 #include "tools/cli/common.h"
 #include "tools/input/environment.h"
+#include "tools/input/scene.h"
 #include "tools/view/session/assets.h"
 #include "tools/view/session/settings.h"
 #include "tools/view/world/world.h"
@@ -33,6 +34,7 @@ struct ViewSession {
   ViewSettings settings;
   const ViewAsset* debug_grid = nullptr;  // that debug views show
   std::optional<ReferencePicture> reference;
+  SceneOptions load;                                           // of the scene, and of objects that join it
   std::vector<std::pair<const ViewAsset*, V3f>> lobes_placed;  // lobe tables and sphere sets, where they were last
   std::string environment;                                     // name without folders; empty: none
   std::string environment_hash;                                // of its file
@@ -44,6 +46,7 @@ struct ViewSession {
 
 struct SessionInput {
   std::string scene;
+  SceneOptions load;
   EnvironmentChoice environment;
   std::string camera;                  // name or index; empty: as ivory render chooses
   Imath::V2i size{640, 480};           // of the picture

@@ -39,7 +39,8 @@ std::string text_of(const std::vector<Box3f>& boxes) {
   return text.empty() ? "none" : text;
 }
 
-Metadata describe(const Scene& scene, const GridBakeParams& params, std::uint64_t photons, const SumLayout& layout) {
+Metadata describe(const Scene& scene, const GridBakeParams& params, std::uint64_t photons, const SumLayout& layout,
+                  const Lights::Emission& emission) {
   Metadata m;
   m["method"] = std::string("irradiance grid");
   m["basis"] = std::string(name_of(params.basis));
@@ -55,6 +56,12 @@ Metadata describe(const Scene& scene, const GridBakeParams& params, std::uint64_
   m["rotate_y_deg"] = double(params.rotate_y_deg);
   m["units"] = std::string("lux");
   m["sum_slots"] = static_cast<std::int64_t>(layout.slots);
+  if (const std::vector<double>& radii_m = emission.discs().radii_m; !radii_m.empty()) {
+    std::string text;
+    for (const double radius_m : radii_m) text += fmt::format("{}{:.6g}", text.empty() ? "" : " ", radius_m);
+    m["entry_discs_m"] = text;
+    m["photon_power_lm"] = double(emission.photon_power().strongest_lm);
+  }
   return m;
 }
 
@@ -119,13 +126,20 @@ GridFrame default_frame(const Scene& scene, const GridBakeParams& params) {
   return frame;
 }
 
+EmissionTarget emission_target(const GridFrame& frame, const GridBakeParams& params) {
+  const V3f size = V3f(frame.size);
+  return {frame.to_world((size - V3f(1, 1, 1)) * 0.5F), (size * frame.spacing_m).length() * 0.5F,
+          params.include_direct};
+}
+
 int affordable_threads(const LitScene& lit, const GridFrame& frame, const GridBakeParams& params) {
   const int threads = params.threads > 0 ? params.threads : tbb::this_task_arena::max_concurrency();
   const double sums = double(frame.vertex_count()) * sum_layout(params.basis, params.estimator).stride();
+  const Lights::PhotonPower power = lit.lights.emission(emission_target(frame, params)).photon_power();
   // What the threads share: sums, once more while they are sorted, and the grid. Each adds to its own, 4 bytes a lane,
   // twice where photons of weak lights have sums of a finer unit.
   const double shared = sums * 16 + double(frame.vertex_count()) * (double(function_count(params.basis)) * 12 + 64);
-  const double own = sums * (fine_bits(lit.lights.photon_power()) != 0 ? 8 : 4);
+  const double own = sums * (fine_bits(power) != 0 ? 8 : 4);
   const double limit = params.max_memory_bytes != 0 ? double(params.max_memory_bytes) : 0.75 * available_memory_bytes();
   if (shared + own <= limit) return int(std::min(double(threads), (limit - shared) / own));
   constexpr double gib = 1024.0 * 1024 * 1024;
@@ -165,17 +179,19 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
   }
   std::vector<float> visible_fraction = visible_fractions(masks);
   std::vector<GuardRecord> guard;
-  const PhotonTracer tracer(
-      lit, {.max_bounces = params.max_bounces, .include_direct = params.include_direct, .seed = params.seed});
+  const PhotonTracer tracer(lit, {.max_bounces = params.max_bounces,
+                                  .include_direct = params.include_direct,
+                                  .seed = params.seed,
+                                  .target = emission_target(frame, params)});
   if (params.guard != Guard::off) {
     const std::uint64_t scouts = std::min(photons, scout_photons_a_vertex * frame.vertex_count());
     const std::vector<bool> reached = lit_vertices(tracer, frame, masks, scouts);
     guard = fit_guard(lit.intersector, frame, visible_fraction, reached);
   }
 
-  DepositTarget target =
-      make_deposit_target(frame, params.basis, params.estimator, lit.lights.photon_power().strongest_lm,
-                          std::move(masks), fine_bits(lit.lights.photon_power()));
+  const Lights::PhotonPower power = tracer.emission().photon_power();
+  DepositTarget target = make_deposit_target(frame, params.basis, params.estimator, power.strongest_lm,
+                                             std::move(masks), fine_bits(power), power.heaviest_lm);
   struct Worker {
     PhotonDepositor depositor;
     std::vector<PhotonSegment> segments;
@@ -221,7 +237,7 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
   result.counters = {{"ledger_emitted", ledger.emitted}, {"ledger_absorbed", ledger.absorbed},
                      {"ledger_escaped", ledger.escaped}, {"ledger_terminated", ledger.terminated},
                      {"photons_traced", ledger.photons}, {"rays_traced", ledger.rays}};
-  result.metadata = describe(scene, params, photons, layout);
+  result.metadata = describe(scene, params, photons, layout, tracer.emission());
   result.metadata["ledger_unit_lm"] = tracer.ledger_unit_lm();
   return result;
 }

@@ -39,6 +39,9 @@ struct GridBakeParams {
 // 2 vertices an axis, not finite, or too fine to number the vertices.
 GridFrame default_frame(const Scene& scene, const GridBakeParams& params);
 
+// The sphere around the grid's cells, which photons are sent to.
+EmissionTarget emission_target(const GridFrame& frame, const GridBakeParams& params);
+
 // How many of params.threads (0: all) can bake that grid within params.max_memory_bytes: each needs sums of its own. At
 // least 1; throws Error where memory would not suffice for one.
 int affordable_threads(const LitScene& lit, const GridFrame& frame, const GridBakeParams& params);
