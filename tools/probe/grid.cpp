@@ -2,6 +2,7 @@
 #include "tools/input/grid.h"
 
 #include <algorithm>
+#include <atomic>
 #include <memory>
 #include <optional>
 
@@ -56,9 +57,11 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
   ProbeEstimates out;
   out.e.resize(table.p.size());
   out.standard_error.resize(table.p.size());
+  std::atomic<std::size_t> unseen{0};
   tbb::parallel_for(std::size_t(0), table.p.size(), [&](std::size_t i) {
     const V3f& n = table.n[i];
     const Footprint footprint = lookup_footprint(grid, intersector, table.p[i], n, params);
+    if (footprint.count == 0) ++unseen;
     out.e[i] = irradiance(grid, footprint, n, params.reconstruction);
     out.standard_error[i] = irradiance_standard_error(grid, footprint);
   });
@@ -74,9 +77,15 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
     print_note(common, fmt::format("warning: {} of {} points lie outside the grid and read its nearest vertices",
                                    outside, table.p.size()));
   }
+  if (unseen > 0) {
+    print_note(common, fmt::format("warning: {} of {} points are seen by no vertex nearby: they read 0, and their "
+                                   "standard errors do not count that",
+                                   unseen.load(), table.p.size()));
+  }
   out.facts = {{"source", std::string("grid")},
                {"guard", std::string(name_of(params.guard))},
-               {"outside", std::int64_t(outside)}};
+               {"outside", std::int64_t(outside)},
+               {"unseen", std::int64_t(unseen.load())}};
   return out;
 }
 
