@@ -345,7 +345,7 @@ TEST(GltfMaterials, UnlitSurfacesNeitherHideNorShine) {
   EXPECT_EQ(loaded.warnings.size(), 1U);
   EXPECT_EQ(loaded.scene.instances.size(), 1U);
   EXPECT_EQ(bounds(loaded.scene).max, V3f(1, 1, 0));
-  EXPECT_TRUE(make_triangle_lights(loaded.scene).empty());
+  EXPECT_FALSE(make_lit_scene(loaded.scene).lights.has_extended());
   Ray up;
   up.origin = V3f(0.2F, 0.2F, 0.1F);
   up.direction = V3f(0, 0, 1);
