@@ -12,7 +12,7 @@
 
 namespace ivory::fuzz {
 
-inline constexpr std::size_t machine_bytes = std::size_t(128) << 20U;
+inline constexpr std::size_t machine_bytes = std::size_t(32) << 20U;
 
 // Writes the bytes to the one file of this process with that extension (".gltf"), in memory where the system has
 // /dev/shm, alone in its folder; its path.
