@@ -9,8 +9,8 @@
 #include "grid/base/error.h"
 #include "tests/support/gltf_check.h"
 #include "tracer/core/intersector.h"
+#include "tracer/core/lit_scene.h"
 #include "tracer/core/texture.h"
-#include "tracer/lights/triangle.h"
 
 namespace ivory {
 namespace {
