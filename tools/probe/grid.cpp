@@ -94,9 +94,10 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
                                    unmet.load(), table.p.size(), unmet_lux ? "bounds" : "left empty"));
   }
   if (unseen > 0) {
-    print_note(common, fmt::format("warning: {} of {} points are seen by no vertex nearby: they read 0, and r_se, g_se, "
-                                   "b_se are left empty",
-                                   unseen.load(), table.p.size()));
+    print_note(common,
+               fmt::format("warning: {} of {} points are seen by no vertex nearby: they read 0, and r_se, g_se, "
+                           "b_se are left empty",
+                           unseen.load(), table.p.size()));
   }
   out.facts = {{"unmet", unmet.load()},
                {"source", std::string("grid")},
