@@ -289,8 +289,8 @@ TEST(GltfMorphs, NodesHaveWeightsOfTheirOwn) {
   EXPECT_EQ(scene.instances[0].mesh, scene.instances[2].mesh);
   const auto expect = [&](const Instance& instance, float wa, float wb, const V3f& at) {
     for (std::size_t i = 0; i < 3; ++i) {
-      const V3f p = scene.meshes[std::size_t(instance.mesh)].positions[i] * instance.to_world;
-      EXPECT_LT((p - (base[i] + first[i] * wa + second[i] * wb + at)).length(), 1e-6F) << i;
+      const V3f corner = scene.meshes[std::size_t(instance.mesh)].positions[i] * instance.to_world;
+      EXPECT_LT((corner - (base[i] + first[i] * wa + second[i] * wb + at)).length(), 1e-6F) << i;
     }
   };
   expect(scene.instances[0], 0.5F, 0, V3f(0));
