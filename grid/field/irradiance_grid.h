@@ -69,7 +69,7 @@ inline constexpr auto name_table<Guard> =
 // The vertices that a look-up reads and their interpolation weights, which add up to one.
 inline constexpr std::size_t max_footprint = 72;
 struct Footprint {
-  int count = 0;  // 8 trilinear, 64 tricubic, 72 a blend of both
+  int count = 0;  // 8 trilinear, 64 tricubic, 72 a blend of both; 0: no vertex sees the point, and E is 0
   std::array<std::uint32_t, max_footprint> vertex;
   std::array<float, max_footprint> weight;
 };

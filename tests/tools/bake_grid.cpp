@@ -67,11 +67,12 @@ TEST(BakeGrid, SaysWhereNoLightCame) {
   EXPECT_EQ(Json::parse(probe.out)["unmet"], 1);
   EXPECT_NE(probe.err.find("no photon came"), std::string::npos) << probe.err;
   const std::string row = read_file(folder / "e.csv");
-  // Eight vertices, each of whose faces is a quarter of a square metre: 3 P / (0.25 N) / sqrt(8).
+  // 3 P / (0.25 N) for cells with faces of a quarter of a square metre, and eight of them, half and half along x and z
+  // and, a quarter voxel up, 1/4 and 3/4 along y: sqrt(1/2 1/2 5/8).
   const Json loaded = Json::parse(ivory(folder, "info " + scene + " --json").out);
   double power_lm = 0;
   for (const Json& channel : loaded["power_lm"]) power_lm += channel.get<double>();
-  EXPECT_NEAR(std::stod(row.substr(row.rfind(',') + 1)), 3 * power_lm / (0.25 * 20'000) / std::sqrt(8.0),
+  EXPECT_NEAR(std::stod(row.substr(row.rfind(',') + 1)), 3 * power_lm / (0.25 * 20'000) * std::sqrt(0.15625),
               0.05 * power_lm / 20'000);
   // A part says so of itself.
   EXPECT_NE(ivory(folder, bake + "a.vdb --photon-range 0:5k").err.find(words), std::string::npos);

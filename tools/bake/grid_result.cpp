@@ -46,7 +46,7 @@ std::string few_photons_text(const Evidence& found) {
     return "nothing of the light reaches the grid: no photon came to any of its vertices, and all of it is 0";
   const std::size_t met = found.vertices - found.unmet;
   if (4 * found.few <= met) return {};
-  return fmt::format("{:.2g} % of the vertices that light reaches rest on fewer than {:.0f} photons",
+  return fmt::format("{:.0f} % of the vertices that light reaches rest on fewer than {:.0f} photons",
                      100 * share(found.few, met), few_photons);
 }
 

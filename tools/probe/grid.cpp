@@ -63,11 +63,15 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
   const std::optional<float> unmet_lux = unmet_bound_lux(grid);
   constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
   std::atomic<std::int64_t> unmet = 0;
+  std::atomic<std::int64_t> unseen = 0;
   tbb::parallel_for(std::size_t(0), table.p.size(), [&](std::size_t i) {
     const V3f& n = table.n[i];
     const Footprint footprint = lookup_footprint(grid, intersector, table.p[i], n, params);
     out.e[i] = irradiance(grid, footprint, n, params.reconstruction);
-    if (is_black(irradiance_standard_error(grid, footprint))) ++unmet;
+    if (footprint.count == 0)
+      ++unseen;
+    else if (is_black(irradiance_standard_error(grid, footprint)))
+      ++unmet;
     out.standard_error[i] = irradiance_standard_error(grid, footprint, unmet_lux.value_or(0));
     if (is_black(out.standard_error[i])) out.standard_error[i] = Rgb(unknown, unknown, unknown);
   });
@@ -89,10 +93,17 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
                                    "be 0 there, and r_se, g_se, b_se are {}",
                                    unmet.load(), table.p.size(), unmet_lux ? "bounds" : "left empty"));
   }
+  if (unseen > 0) {
+    print_note(common,
+               fmt::format("warning: {} of {} points are seen by no vertex nearby: they read 0, and r_se, g_se, "
+                           "b_se are left empty",
+                           unseen.load(), table.p.size()));
+  }
   out.facts = {{"unmet", unmet.load()},
                {"source", std::string("grid")},
                {"guard", std::string(name_of(params.guard))},
-               {"outside", std::int64_t(outside)}};
+               {"outside", std::int64_t(outside)},
+               {"unseen", unseen.load()}};
   return out;
 }
 

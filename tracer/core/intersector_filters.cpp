@@ -109,15 +109,18 @@ void filter_occluded(const RTCFilterFunctionNArguments* args) {
       if (coverage < context.blocking_coverage) args->valid[lane] = 0;
       continue;
     }
-    const std::optional<std::uint64_t> key = shared_key(*args, record, lane);
-    if (key &&
-        std::find(context.edges_passed.begin(), context.edges_passed.end(), *key) != context.edges_passed.end()) {
-      args->valid[lane] = 0;
+    if (coverage >= 1) {
+      context.transmittance = 0;
       continue;
     }
-    if (key) context.edges_passed[context.edges_count++ % context.edges_passed.size()] = *key;
-    context.transmittance *= std::max(0.0F, 1 - coverage);
-    if (context.transmittance > 0) args->valid[lane] = 0;
+    args->valid[lane] = 0;
+    if (coverage <= 0) continue;
+    if (const std::optional<std::uint64_t> key = shared_key(*args, record, lane)) {
+      auto& passed = context.edges_passed;
+      if (std::find(passed.begin(), passed.end(), *key) != passed.end()) continue;
+      passed[context.edges_count++ % passed.size()] = *key;
+    }
+    context.transmittance *= 1 - coverage;
   }
 }
 

@@ -223,9 +223,9 @@ std::vector<Candidate> candidates(const Document& document, const std::string& u
   const Spelling spellings[] = {
       {percent_decoded(uri), ""},
       {uri, ""},
-      {with_slashes(percent_decoded(uri)), "its backslashes taken as slashes"},
+      {with_slashes(percent_decoded(uri)), "with slashes for its backslashes"},
       {percent_decoded(bare), "without its query"},
-      {with_slashes(percent_decoded(bare)), "without its query, its backslashes taken as slashes"}};
+      {with_slashes(percent_decoded(bare)), "without its query, with slashes for its backslashes"}};
   std::vector<Candidate> result;
   for (const Spelling& spelling : spellings)
     for (const fs::path& folder : folders)
@@ -324,7 +324,7 @@ std::vector<std::uint8_t> read_uri(Document& document, const std::string& uri, c
   const std::string cause = read_file(file, bytes);
   if (!cause.empty()) document.fail(what + " needs " + file + ": " + cause, "put it there, or export again");
   if (!found->mended.empty())
-    document.warn(fmt::format("{} is called '{}'; {}, {} is read", what, uri, found->mended, file));
+    document.warn(fmt::format("{} is called '{}', which is no file; {} is read, {}", what, uri, file, found->mended));
   add_to_hash(document, bytes);
   return bytes;
 }

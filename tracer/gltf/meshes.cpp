@@ -288,6 +288,7 @@ class Maker {
   }
 
   void add_nodes() {
+    check_posed();
     for (std::size_t n = 0; n < document_.model.nodes.size(); ++n) {
       const tinygltf::Node& node = document_.model.nodes[n];
       set_.of_node.push_back(node.mesh < 0 ? std::vector<int>{} : shown_by(node));
@@ -312,19 +313,44 @@ class Maker {
   }
 
   std::vector<int> shown_by(const tinygltf::Node& node) {
-    const auto mesh = std::size_t(node.mesh);
-    const std::vector<double>& own = document_.model.meshes[mesh].weights;
-    const std::vector<double>& weights = node.weights.empty() ? own : node.weights;
-    if (node.skin < 0 && weights == own) return of_mesh_[mesh];
-    const auto key = std::tuple(node.mesh, node.skin, weights);
+    if (!is_posed(node)) return of_mesh_[std::size_t(node.mesh)];
+    const PoseKey key = key_of(node);
     const auto known = posed_.find(key);
     if (known != posed_.end()) return known->second;
-    for (const int shared : of_mesh_[mesh]) {
-      const Mesh& m = set_.meshes[std::size_t(shared)];
-      bytes_ += double(m.positions.size()) * bytes_per_vertex + double(m.triangles.size()) * bytes_per_triangle;
+    const Pose pose{std::get<2>(key), node.skin < 0 ? nullptr : &skin(std::size_t(node.skin))};
+    return posed_[key] = add(std::size_t(node.mesh), pose);
+  }
+
+  // The mesh, the skin or no_index, and the weights that a node shows.
+  using PoseKey = std::tuple<int, int, std::vector<double>>;
+
+  bool is_posed(const tinygltf::Node& node) const {
+    return node.skin >= 0 ||
+           (!node.weights.empty() && node.weights != document_.model.meshes[std::size_t(node.mesh)].weights);
+  }
+
+  PoseKey key_of(const tinygltf::Node& node) const {
+    return {node.mesh, node.skin,
+            node.weights.empty() ? document_.model.meshes[std::size_t(node.mesh)].weights : node.weights};
+  }
+
+  // A few bytes of file may ask for any number of poses of a large mesh.
+  void check_posed() const {
+    std::set<PoseKey> keys;
+    double bytes = 0;
+    for (const tinygltf::Node& node : document_.model.nodes) {
+      if (node.mesh < 0 || !is_posed(node) || !keys.insert(key_of(node)).second) continue;
+      for (const tinygltf::Primitive& primitive : document_.model.meshes[std::size_t(node.mesh)].primitives) {
+        const auto position = primitive.attributes.find("POSITION");
+        if (position == primitive.attributes.end()) continue;
+        const auto count = [&](int accessor) { return double(document_.model.accessors[std::size_t(accessor)].count); };
+        const double vertices = count(position->second);
+        const double corners = primitive.indices >= 0 ? count(primitive.indices) : vertices;
+        const double triangles = primitive.mode == TINYGLTF_MODE_TRIANGLES ? corners / 3 : corners;
+        bytes += std::min(vertices, corners) * bytes_per_vertex + triangles * bytes_per_triangle;
+      }
     }
-    check_memory(document_.path, bytes_, "pose fewer meshes by skins and morph weights of their own");
-    return posed_[key] = add(mesh, {weights, node.skin < 0 ? nullptr : &skin(std::size_t(node.skin))});
+    check_memory(document_.path, bytes, "pose fewer meshes by skins and morph weights of their own");
   }
 
   const Skin& skin(std::size_t index) {
@@ -339,10 +365,9 @@ class Maker {
   int default_material_;
   MeshSet set_;
   std::vector<std::vector<int>> of_mesh_;
-  std::map<std::tuple<int, int, std::vector<double>>, std::vector<int>> posed_;
+  std::map<PoseKey, std::vector<int>> posed_;
   std::vector<Imath::M44d> to_world_;  // [node], once a skin asks for it
   std::map<std::size_t, Skin> skins_;
-  double bytes_ = 0;  // of the meshes that single nodes show
 };
 
 }  // namespace

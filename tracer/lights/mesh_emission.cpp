@@ -72,7 +72,14 @@ Rgb sampled_mean(const Scene& scene, int mesh_index, int triangle, int most_step
     }
   }
   const double count = double(n) * n;
-  return Rgb(float(sum[0] / count), float(sum[1] / count), float(sum[2] / count));
+  Rgb mean(float(sum[0] / count), float(sum[1] / count), float(sum[2] / count));
+  // A corner alone may shine, between the points.
+  if (is_black(mean) && n > 1) {
+    const float share = 1 / float(n * n);
+    for (const V2f& b : {V2f(0, 0), V2f(1, 0), V2f(0, 1)})
+      mean += covered_emission_at(scene, mesh_index, triangle, b) * (share / 3);
+  }
+  return mean;
 }
 
 // The triangle in cells; empty where its coordinates are not finite or too far out.
@@ -274,11 +281,19 @@ void integrate(const Scene& scene, MeshEmission& emission) {
   emission.row_sums.assign(emission.first_sum.back(), 0);
 
   const int steps = steps_for(mesh);
+  Rgb mean_of_map(0, 0, 0);
+  if (std::ranges::find(rows, std::uint64_t(0)) != rows.end()) {
+    V3d sum(0, 0, 0);
+    for (int j = 0; j < map.y.count; ++j) sum += run_radiance(map, 0, map.x.count, j);
+    mean_of_map = Rgb(sum / (double(map.x.count) * map.y.count));
+  }
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles), [&](const tbb::blocked_range<std::size_t>& range) {
     for (std::size_t t = range.begin(); t < range.end(); ++t) {
       const TexelPolygon polygon = polygon_of(map, mesh, int(t));
       if (polygon.empty()) {
         emission.mean_radiance[t] = sampled_mean(scene, emission.mesh, int(t), steps);
+        // What is so far out repeats the texture, or is the same all over.
+        if (is_black(emission.mean_radiance[t])) emission.mean_radiance[t] = mean_of_map;
         continue;
       }
       const double whole_cell = cell_area(polygon);
@@ -333,45 +348,56 @@ Rgb covered_emission_at(const Scene& scene, int mesh, int triangle, const V2f& b
 
 std::vector<std::unique_ptr<const MeshEmission>> make_mesh_emissions(const Scene& scene) {
   std::vector<std::unique_ptr<const MeshEmission>> emissions(scene.meshes.size());
-  std::map<std::pair<int, int>, std::shared_ptr<EmissionMap>> maps;  // by material and cells joined
-  double bytes = 0;
+  std::vector<int> meshes;
+  std::vector<bool> placed(scene.meshes.size(), false);
   for (const Instance& instance : scene.instances) {
-    std::unique_ptr<const MeshEmission>& place = emissions[std::size_t(instance.mesh)];
-    const Material& material = material_of(scene, instance.mesh);
-    if (place || is_black(material.emission)) continue;
-    const Mesh& mesh = scene.meshes[std::size_t(instance.mesh)];
+    if (placed[std::size_t(instance.mesh)] || is_black(material_of(scene, instance.mesh).emission)) continue;
+    placed[std::size_t(instance.mesh)] = true;
+    meshes.push_back(instance.mesh);
+  }
+  // Material by material, so that no two have their sums of radiance at a time.
+  std::ranges::stable_sort(meshes, {}, [&](int m) { return scene.meshes[std::size_t(m)].material; });
+
+  std::map<int, std::shared_ptr<EmissionMap>> maps;  // of one material, by cells joined
+  double bytes = 0;
+  for (std::size_t k = 0; k < meshes.size(); ++k) {
+    const int index = meshes[k];
+    const Mesh& mesh = scene.meshes[std::size_t(index)];
+    const Material& material = material_of(scene, index);
     auto emission = std::make_unique<MeshEmission>();
-    emission->mesh = instance.mesh;
-    bytes += double(mesh.triangles.size()) * 24;
+    emission->mesh = index;
+    bytes += double(mesh.triangles.size()) * (sizeof(Rgb) + sizeof(std::uint32_t));
+    check_memory(scene.name, bytes, "use fewer emissive triangles");
+    emission->mean_radiance.assign(mesh.triangles.size(), Rgb(0, 0, 0));
     std::optional<EmissionMap> axes = make_emission_axes(scene, mesh.material);
     // Alpha above 1 covers what the texture alone leaves out.
     if (axes && material.alpha_mode == AlphaMode::mask &&
         std::ranges::any_of(mesh.colors, [](const V4f& color) { return color.w > 1; }))
       axes.reset();
     if (axes) {
-      const int join = cells_to_join(scene, instance.mesh, *axes);
-      std::shared_ptr<EmissionMap>& map = maps[{mesh.material, join}];
+      const int join = cells_to_join(scene, index, *axes);
+      std::shared_ptr<EmissionMap>& map = maps[join];
       if (!map) {
         const double cells = double(axes->x.count) * axes->y.count / join / join;
-        bytes += cells * (join > 1 || material.alpha_mode != AlphaMode::opaque ? 18 : 2) + 0x1p24;
-        check_memory(scene.name, bytes, "use smaller emissive textures or fewer of them");
+        const bool stored = join > 1 || material.alpha_mode != AlphaMode::opaque;
+        check_memory(scene.name, bytes + cells * (stored ? 18 : 2), "use smaller emissive textures or fewer of them");
+        bytes += cells * (stored ? 4.5 : 0.5);
         map = std::make_shared<EmissionMap>(*make_emission_map(scene, mesh.material, join));
       }
       emission->map = map;
-    } else {
-      check_memory(scene.name, bytes, "place fewer emissive triangles");
-    }
-    emission->mean_radiance.assign(mesh.triangles.size(), Rgb(0, 0, 0));
-    if (axes) {
       integrate(scene, *emission);
+      bytes += double(emission->row_sums.size()) * sizeof(double);
     } else {
       const int steps = steps_for(mesh);
       for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-        emission->mean_radiance[t] = sampled_mean(scene, instance.mesh, int(t), steps);
+        emission->mean_radiance[t] = sampled_mean(scene, index, int(t), steps);
     }
-    place = std::move(emission);
+    emissions[std::size_t(index)] = std::move(emission);
+    if (k + 1 == meshes.size() || scene.meshes[std::size_t(meshes[k + 1])].material != mesh.material) {
+      for (auto& [join, map] : maps) forget_radiance(*map);
+      maps.clear();
+    }
   }
-  for (auto& [key, map] : maps) forget_radiance(*map);
   return emissions;
 }
 

@@ -14,6 +14,7 @@
 #include "tests/support/statistics.h"
 #include "tools/stability/scene_builder.h"
 #include "tracer/bake/field/baker.h"
+#include "tracer/render/photon_map.h"
 
 namespace ivory {
 namespace {
@@ -196,6 +197,36 @@ TEST(Bounds, StandardErrorsHoldOnWideGround) {
   const double ratio = std::sqrt(variance.mean() / e.variance());
   EXPECT_GT(ratio, 0.8);
   EXPECT_LT(ratio, 2.2);
+}
+
+// The photon map has no bounds: it is sent where the picture looks.
+TEST(Bounds, OfAPictureAreWhatItShows) {
+  Camera camera;
+  camera.to_world.setTranslation(V3f(0, 1.5F, 5));  // into the room
+  const View view = make_view("test", camera, 64, 48);
+  const LitScene plot = make_lit_scene(room_on_ground(6, true, false));
+  const LitScene wide = make_lit_scene(room_on_ground(50'000, true, false));
+  const std::optional<EmissionTarget> target = target_in_view(wide.intersector, view);
+  ASSERT_TRUE(target);
+  EXPECT_GT(target->radius_m, 2);
+  EXPECT_LT(target->radius_m, 10);
+  EXPECT_LT((target->center - V3f(0, 1.5F, 0)).length(), 4);
+  const auto ceiling = [](const LitScene& world, const std::optional<EmissionTarget>& of) {
+    PhotonMapParams params;
+    params.photons = 60'000;
+    params.seed = 3;
+    params.target = of;
+    const PhotonMap map(world, params);
+    double e = 0;
+    for (int i = 0; i < 16; ++i)
+      e += double(map.irradiance(V3f(float(i % 4) - 1.5F, 3, float(i / 4) - 2.5F), V3f(0, -1, 0)).y) / 16;
+    return e;
+  };
+  const double truth = ceiling(plot, std::nullopt);
+  EXPECT_GT(truth, 100);
+  // Some thousand photons came to the ceiling, of 16 times the power where they come by way of the yard.
+  EXPECT_NEAR(ceiling(wide, target), truth, 0.12 * truth);
+  EXPECT_EQ(ceiling(wide, std::nullopt), 0);
 }
 
 // Sunlight from above, so few photons that two or three are expected in a cell: some cells are met by none, and there

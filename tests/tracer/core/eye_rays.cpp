@@ -82,7 +82,7 @@ TEST(EyeRays, StartAtTheNearPlaneAndEndAtTheFarOne) {
       return hit ? hit->t * ray.direction.dot(view.forward) : 0.0F;
     };
     const float infinite = std::numeric_limits<float>::infinity();
-    for (const V2f pixel : {V2f(8, 8), V2f(0.1F, 0.1F), V2f(15.9F, 3)}) {
+    for (const V2f& pixel : {V2f(8, 8), V2f(0.1F, 0.1F), V2f(15.9F, 3)}) {
       EXPECT_NEAR(depth(0, infinite, pixel), 1, 1e-5F);
       EXPECT_NEAR(depth(0.99F, 10, pixel), 1, 1e-5F);
       EXPECT_NEAR(depth(1.5F, 2.5F, pixel), 2, 1e-5F);

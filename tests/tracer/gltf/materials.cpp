@@ -9,8 +9,8 @@
 #include "grid/base/error.h"
 #include "tests/support/gltf_check.h"
 #include "tracer/core/intersector.h"
+#include "tracer/core/lit_scene.h"
 #include "tracer/core/texture.h"
-#include "tracer/lights/triangle.h"
 
 namespace ivory {
 namespace {
@@ -345,7 +345,7 @@ TEST(GltfMaterials, UnlitSurfacesNeitherHideNorShine) {
   EXPECT_EQ(loaded.warnings.size(), 1U);
   EXPECT_EQ(loaded.scene.instances.size(), 1U);
   EXPECT_EQ(bounds(loaded.scene).max, V3f(1, 1, 0));
-  EXPECT_TRUE(make_triangle_lights(loaded.scene).empty());
+  EXPECT_FALSE(make_lit_scene(loaded.scene).lights.has_extended());
   Ray up;
   up.origin = V3f(0.2F, 0.2F, 0.1F);
   up.direction = V3f(0, 0, 1);

@@ -146,5 +146,17 @@ TEST(GltfMemory, SphericalLightsAreWeighedBeforeTheyArePlaced) {
   EXPECT_NE(error.find("place fewer spherical lights"), std::string::npos) << error;
 }
 
+// A mesh of zeros, which take no bytes in the file, by a thousand nodes that each pose it in their own way.
+TEST(GltfMemory, PosesAreWeighedBeforeTheyAreMade) {
+  GltfBuilder builder;
+  const int zeros = builder.add_accessor("VEC3", 5126, 300'000, -1);
+  builder.add_mesh({{"attributes", {{"POSITION", zeros}}}, {"targets", {{{"POSITION", zeros}}}}});
+  for (int i = 0; i < 1000; ++i) builder.add_node({{"mesh", 0}, {"weights", {0.001 * i + 0.1}}});
+  const LoweredLimit limit(8e9);
+  const std::string error = error_of(builder, "poses");
+  EXPECT_NE(error.find("GiB of memory"), std::string::npos) << error;
+  EXPECT_NE(error.find("pose fewer meshes"), std::string::npos) << error;
+}
+
 }  // namespace
 }  // namespace ivory

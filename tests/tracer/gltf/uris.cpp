@@ -67,7 +67,7 @@ TEST(GltfUris, PathsThatAreNoUris) {
   taken("sub\\x.bin", "backslashes");
   taken("sub/x.bin?v=1", "without its query");
   taken("sub/x.bin?t=1:2#part", "without its query");
-  taken("sub\\x.bin?v=1", "without its query, its backslashes");
+  taken("sub\\x.bin?v=1", "without its query, with slashes");
   // What is there by its very name comes first.
   GltfBuilder::write_file(folder + "/sub/x.bin?v=1", bytes_of(builder));
   taken("sub/x.bin?v=1", "");

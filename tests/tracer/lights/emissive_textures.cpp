@@ -278,5 +278,21 @@ TEST(EmissiveTextures, FarRepeatedOnesAreJoined) {
   for (int i = 0; i < 100; ++i) EXPECT_GT(sample_point(scene, *emissions[0], 0, random).density, 1);
 }
 
+// Beyond what float tells texels apart by, and a corner that vertices alone make visible: no light is dropped.
+TEST(EmissiveTextures, WhatShinesIsNotDropped) {
+  Scene far = triangle_scene({{3e7F, 3e7F}, {4e7F, 3e7F}, {3e7F, 5e7F}});
+  far.materials[0].emission_texture.texture = add_texture(far, 64, 64, [](int x, int y) {
+    return x == 9 && y == 9 ? Texel{255, 255, 255, 255} : Texel{0, 0, 0, 255};
+  });
+  EXPECT_GT(make_mesh_emissions(far)[0]->mean_radiance[0].x, 0);
+  Scene corner = triangle_scene(cases[0].uvs);
+  corner.materials[0].alpha_mode = AlphaMode::mask;
+  corner.materials[0].alpha_cutoff = 0.99F;
+  corner.meshes[0].colors = {{1, 1, 1, 1}, {1, 1, 1, 0}, {1, 1, 1, 0}};
+  EXPECT_GT(make_mesh_emissions(corner)[0]->mean_radiance[0].x, 0);
+  corner.meshes[0].colors[0].w = 0.5F;
+  EXPECT_EQ(make_mesh_emissions(corner)[0]->mean_radiance[0].x, 0);
+}
+
 }  // namespace
 }  // namespace ivory

@@ -64,7 +64,9 @@ TEST(Lights, SpotsWithHardEdges) {
       const V3f p = spot.position + V3f(std::sin(a), 0, std::cos(a)) * 2;
       const auto sample = lit.lights.sample(p, random);
       EXPECT_EQ(sample.has_value(), share < 1) << angle << " " << share;
-      if (sample) EXPECT_NEAR(sample->irradiance_weight.x, 7.0F / 4, 1e-4F) << angle << " " << share;
+      if (sample) {
+        EXPECT_NEAR(sample->irradiance_weight.x, 7.0F / 4, 1e-4F) << angle << " " << share;
+      }
     }
     const double flux = 7 * 2 * double(pi) * 2 * std::pow(std::sin(0.5 * double(angle)), 2);
     EXPECT_NEAR(lit.lights.total_power_lm().x, flux, 1e-5 * flux) << angle;
