@@ -327,9 +327,9 @@ V2f point_in(const TexelPolygon& polygon, float u_part, const V2f& u) {
   const V2f at = sample_triangle(u);
   const double wb = double(at.x);
   const double wc = double(at.y);
-  const double b1 = a.b1 + (b.b1 - a.b1) * wb + (c.b1 - a.b1) * wc;
-  const double b2 = a.b2 + (b.b2 - a.b2) * wb + (c.b2 - a.b2) * wc;
-  return {float(std::clamp(b1, 0.0, 1.0)), float(std::clamp(b2, 0.0, 1.0 - b1))};
+  const double b1 = std::clamp(a.b1 + (b.b1 - a.b1) * wb + (c.b1 - a.b1) * wc, 0.0, 1.0);
+  const double b2 = std::clamp(a.b2 + (b.b2 - a.b2) * wb + (c.b2 - a.b2) * wc, 0.0, 1.0 - b1);
+  return {float(b1), float(b2)};
 }
 
 std::span<const double> sums_of(const MeshEmission& emission, int triangle) {
@@ -380,8 +380,8 @@ std::vector<std::unique_ptr<const MeshEmission>> make_mesh_emissions(const Scene
       if (!map) {
         const double cells = double(axes->x.count) * axes->y.count / join / join;
         const bool stored = join > 1 || material.alpha_mode != AlphaMode::opaque;
-        check_memory(scene.name, bytes + cells * (stored ? 18 : 2), "use smaller emissive textures or fewer of them");
-        bytes += cells * (stored ? 4.5 : 0.5);
+        check_memory(scene.name, bytes + cells * (stored ? 18 : 6), "use smaller emissive textures or fewer of them");
+        bytes += cells * 4.5;
         map = std::make_shared<EmissionMap>(*make_emission_map(scene, mesh.material, join));
       }
       emission->map = map;
