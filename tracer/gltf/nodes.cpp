@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include <ImathMatrixAlgo.h>
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 
 #include "grid/base/memory.h"
 #include "tracer/gltf/accessors.h"
+#include "tracer/gltf/extent.h"
 #include "tracer/gltf/extras.h"
 #include "tracer/gltf/geometry.h"
 #include "tracer/gltf/node_tree.h"
@@ -21,7 +23,6 @@ namespace {
 using Imath::M44d;
 using nlohmann::json;
 
-constexpr float max_coordinate_m = 1e9F;
 // Below this a side of the transform counts as flattened: products of two such lengths, squared,
 // come near the end of float.
 constexpr double min_scale = 1e-6;
@@ -43,14 +44,37 @@ M44f to_float(const M44d& m) {
 class Placer {
  public:
   Placer(Document& document, const MeshSet& meshes, const LoadParams& params, Scene& scene)
-      : document_(document), meshes_(meshes), scale_(params.scale), scene_(scene) {}
+      : document_(document), meshes_(meshes), scale_(params.scale), scene_(scene), extent_(document, scene) {}
 
-  void place(std::size_t index, const M44d& world, bool visible) {
+  // Of every node, before the first is placed: where it will stand in the world, metres.
+  void measure(std::size_t index, const M44d& world, bool visible) {
     const tinygltf::Node& node = document_.model.nodes[index];
-    const json& source = element(document_, "nodes", index);
     for (int i = 0; i < 16; ++i)
       if (!(std::abs(world[i / 4][i % 4]) < 1e30))
         document_.fail(node_label(document_, index) + " has a transform that is not finite", remedy);
+    if (!visible) return;
+    if (const std::optional<SphereLight> light = read_sphere_light(document_, index, to_float(world)))
+      extent_.add_ball(index, row(world, 3), double(light->radius_m));
+    if (node.mesh < 0) return;
+    const std::vector<int>& primitives = meshes_.of_mesh[std::size_t(node.mesh)];
+    if (const json* instancing = find_extension(element(document_, "nodes", index), "EXT_mesh_gpu_instancing")) {
+      const std::vector<M44d>& locals = instance_matrices(index, *instancing);
+      for (const int primitive : primitives) extent_.check_steps(index, primitive, locals);
+      for (const M44d& local : locals)
+        for (const int primitive : primitives) extent_.add_mesh(index, primitive, local * world);
+    } else {
+      count_instances(index, 1);
+      for (const int primitive : primitives) extent_.add_mesh(index, primitive, world);
+    }
+  }
+
+  // The world's place of the scene, once all nodes are measured.
+  V3d choose_anchor() { return extent_.choose_anchor(); }
+
+  // `world` less the scene's anchor.
+  void place(std::size_t index, const M44d& world, bool visible) {
+    const tinygltf::Node& node = document_.model.nodes[index];
+    const json& source = element(document_, "nodes", index);
     if (node.camera >= 0) add_camera(index, std::size_t(node.camera), world);
     if (!visible) return;
     if (const json* light = find_extension(source, "KHR_lights_punctual"))
@@ -64,7 +88,6 @@ class Placer {
       for (const M44d& local : instance_matrices(index, *instancing))
         add_mesh(index, std::size_t(node.mesh), local * world);
     } else {
-      count_instances(index, 1);
       add_mesh(index, std::size_t(node.mesh), world);
     }
     warn_of_pose(index);
@@ -86,8 +109,14 @@ class Placer {
     check_memory(document_.path, bytes_, "place fewer instances");
   }
 
-  // EXT_mesh_gpu_instancing: one instance an element, its transform before the node's.
-  std::vector<M44d> instance_matrices(std::size_t index, const json& extension) {
+  // EXT_mesh_gpu_instancing: one instance an element, its transform before the node's. Counted when first asked for.
+  const std::vector<M44d>& instance_matrices(std::size_t index, const json& extension) {
+    const auto known = instance_matrices_.find(index);
+    if (known != instance_matrices_.end()) return known->second;
+    return instance_matrices_[index] = read_instance_matrices(index, extension);
+  }
+
+  std::vector<M44d> read_instance_matrices(std::size_t index, const json& extension) {
     const std::string what = node_label(document_, index) + " (EXT_mesh_gpu_instancing)";
     const json& attributes = extension["attributes"];
     std::vector<V3f> translations;
@@ -122,9 +151,10 @@ class Placer {
     const bool flat =
         std::min({sides[0], sides[1], sides[2]}) < min_scale || volume < 1e-7 * sides[0] * sides[1] * sides[2];
     for (const int primitive : meshes_.of_mesh[mesh]) {
-      Instance instance{primitive, to_float(world), int(node)};
+      M44d from_mesh;
+      from_mesh.setTranslation(extent_.mesh_offset(primitive));
+      Instance instance{primitive, to_float(from_mesh * world), int(node)};
       if (flat && !add_flat_mesh(node, instance)) continue;
-      check_extent(node, instance);
       scene_.instances.push_back(instance);
     }
   }
@@ -153,24 +183,6 @@ class Placer {
     instance = {int(scene_.meshes.size()), M44f(), int(node)};
     scene_.meshes.push_back(std::move(mesh));
     return true;
-  }
-
-  void check_extent(std::size_t node, const Instance& instance) {
-    if (local_bounds_.size() < scene_.meshes.size()) local_bounds_.resize(scene_.meshes.size());
-    Box3f& local = local_bounds_[std::size_t(instance.mesh)];
-    if (local.isEmpty())
-      for (const V3f& p : scene_.meshes[std::size_t(instance.mesh)].positions) local.extendBy(p);
-    for (int corner = 0; corner < 8; ++corner) {
-      const V3f p = V3f((corner & 1) != 0 ? local.max.x : local.min.x, (corner & 2) != 0 ? local.max.y : local.min.y,
-                        (corner & 4) != 0 ? local.max.z : local.min.z) *
-                    instance.to_world;
-      const bool good =
-          std::abs(p.x) <= max_coordinate_m && std::abs(p.y) <= max_coordinate_m && std::abs(p.z) <= max_coordinate_m;
-      if (!good)
-        document_.fail(
-            fmt::format("{} places its mesh farther out than {} m", node_label(document_, node), max_coordinate_m),
-            "scale the model down");
-    }
   }
 
   // Right-handed, without scale: a node neither zooms a camera, nor may it mirror the picture.
@@ -240,8 +252,9 @@ class Placer {
   const MeshSet& meshes_;
   double scale_;  // metres a unit of the file
   Scene& scene_;
-  std::vector<Box3f> local_bounds_;
-  double bytes_ = 0;  // of what is placed, here and in the ray tracer
+  Extent extent_;
+  std::map<std::size_t, std::vector<M44d>> instance_matrices_;  // [node]
+  double bytes_ = 0;                                            // of what is placed, here and in the ray tracer
 };
 
 }  // namespace
@@ -256,26 +269,33 @@ void place_nodes(Document& document, const MeshSet& meshes, const LoadParams& pa
     M44d parent_world;
     bool visible;
   };
-  M44d file_to_scene;
-  file_to_scene.setScale(params.scale);
-  std::vector<Open> open;
   const std::vector<int> roots = root_nodes(document, parents);
-  for (auto root = roots.rbegin(); root != roots.rend(); ++root)
-    open.push_back({std::size_t(*root), file_to_scene, true});
   for (std::size_t i = 0; i < parents.size(); ++i)
     scene.nodes.push_back({document.model.nodes[i].name, parents[i], read_fiv_table(document, i)});
+  // visit(node, its transform, is it visible), parents first; `file` is the transform of the file itself.
+  const auto walk = [&](const M44d& file, const auto& visit) {
+    std::vector<Open> open;
+    for (auto root = roots.rbegin(); root != roots.rend(); ++root) open.push_back({std::size_t(*root), file, true});
+    while (!open.empty()) {
+      const Open current = open.back();
+      open.pop_back();
+      const M44d world = locals[current.node] * current.parent_world;
+      const json* visibility = find_extension(element(document, "nodes", current.node), "KHR_node_visibility");
+      const bool visible = current.visible && (visibility == nullptr || visibility->value("visible", true));
+      visit(current.node, world, visible);
+      const std::vector<int>& children = document.model.nodes[current.node].children;
+      for (auto child = children.rbegin(); child != children.rend(); ++child)
+        open.push_back({std::size_t(*child), world, visible});
+    }
+  };
   Placer placer(document, meshes, params, scene);
-  while (!open.empty()) {
-    const Open current = open.back();
-    open.pop_back();
-    const M44d world = locals[current.node] * current.parent_world;
-    const json* visibility = find_extension(element(document, "nodes", current.node), "KHR_node_visibility");
-    const bool visible = current.visible && (visibility == nullptr || visibility->value("visible", true));
-    placer.place(current.node, world, visible);
-    const std::vector<int>& children = document.model.nodes[current.node].children;
-    for (auto child = children.rbegin(); child != children.rend(); ++child)
-      open.push_back({std::size_t(*child), world, visible});
-  }
+  M44d file;
+  file.setScale(params.scale);
+  walk(file, [&](std::size_t node, const M44d& world, bool visible) { placer.measure(node, world, visible); });
+  scene.anchor_m = placer.choose_anchor();
+  // Taken off at the root, where files have the offset, it leaves what hangs below in small numbers.
+  for (int axis = 0; axis < 3; ++axis) file[3][axis] = -scene.anchor_m[axis] + 0.0;
+  walk(file, [&](std::size_t node, const M44d& local, bool visible) { placer.place(node, local, visible); });
 }
 
 }  // namespace ivory::gltf
