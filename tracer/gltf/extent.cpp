@@ -85,7 +85,7 @@ void Extent::add_mesh(std::size_t node, int mesh, const M44d& world) {
   }
   if (!(largest(box.min) <= max_coordinate_m && largest(box.max) <= max_coordinate_m)) {
     document_.fail(
-        fmt::format("{} places its mesh farther out than {} m", node_label(document_, node), max_coordinate_m),
+        fmt::format("{} places its mesh farther out than {:g} m", node_label(document_, node), max_coordinate_m),
         "scale the model down");
   }
   pieces_.push_back({box.center(), half_side(box), double(scene_.meshes[std::size_t(mesh)].triangles.size()), node});
@@ -156,10 +156,10 @@ V3d Extent::choose_anchor() {
   if (worst != nullptr) {
     const double far_m = largest(worst->center_m - anchor);
     document_.warn(
-        fmt::format("{} and {} other meshes are small for their distance from most of the scene, {:.3g} m: "
-                    "light on them is wrong, for rays start {:.2g} m off; give what stands far away a file of "
-                    "its own",
-                    node_label(document_, worst->node), rough - 1, far_m, far_m * 0x1p-17));
+        fmt::format("{}{} small for the distance from most of the scene, {:.3g} m: light there is wrong, for "
+                    "rays start {:.2g} m off; give what stands far away a file of its own",
+                    node_label(document_, worst->node),
+                    rough == 1 ? " is" : fmt::format(" and {} other meshes are", rough - 1), far_m, far_m * 0x1p-17));
   }
   return anchor;
 }

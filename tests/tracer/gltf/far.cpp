@@ -124,7 +124,7 @@ TEST(GltfFar, SaysWhatIsTooSmallForItsDistance) {
   room.builder.add_node({{"mesh", 1}});
   const LoadedScene loaded = load(room.write("forgotten", V3d(450000, 0, -5000000)));
   EXPECT_EQ(loaded.scene.anchor_m, V3d(450000, 0, -5000000));
-  EXPECT_TRUE(has_warning(loaded, "small for their distance")) << testing::PrintToString(loaded.warnings);
+  EXPECT_TRUE(has_warning(loaded, "small for the distance")) << testing::PrintToString(loaded.warnings);
 }
 
 // Wide ground does not keep the room on it from an anchor of its own.
