@@ -95,7 +95,7 @@ TEST(Far, ObjectsAndOccludersStandWhereTheyAreAskedFor) {
   const auto folder = scratch_folder("far_objects");
   const std::string object = scenes_folder + "knot.glb";
   expect_ok(folder, "bake fiv " + object + " --env " + scenes_folder +
-                        "sky.hdr -o knot.exr --samples 8,5,4 --env-size 8 --parts 1 --silhouette 16");
+                        "sky.hdr -o knot.exr --samples 8,5,4 --env-size 8 --parts 1 --silhouette 8");
   Json first;
   for (const Shift& s : {here, national}) {
     write_below_root(folder / "plaza.gltf", "plaza.gltf", {{"translation", {s.x, s.y, s.z}}});
