@@ -33,7 +33,7 @@ Json vector_json(const Vector& v) {
 Json vdb_json(const std::string& path) {
   Json json = to_json(load_vdb_info(path));
   for (auto& [key, value] : json.items()) {
-    if (key == "size" || key == "origin_m" || key == "spacing_m" || key.starts_with("axis_")) {
+    if (key == "size" || key == "origin_m" || key == "anchor_m" || key == "spacing_m" || key.starts_with("axis_")) {
       Json list = Json::parse(value.get<std::string>(), nullptr, /*allow_exceptions=*/false);
       if (list.is_array()) value = std::move(list);
     }
@@ -70,8 +70,8 @@ Json spheres_json(const std::string& path) {
   }
   json["radius_min_m"] = shortest(smallest);
   json["radius_max_m"] = shortest(largest);
-  json["bounds_min_m"] = vector_json(box.min);
-  json["bounds_max_m"] = vector_json(box.max);
+  json["bounds_min_m"] = shortest(box.min, set.anchor_m);
+  json["bounds_max_m"] = shortest(box.max, set.anchor_m);
   json.update(to_json(set.metadata));
   return json;
 }
@@ -111,8 +111,8 @@ Json scene_json(const std::string& path, const SceneOptions& options, const Comm
             {"directional_lights", suns},
             {"spherical_lights", scene.sphere_lights.size()}};
   if (const Box3f box = bounds(scene); !box.isEmpty()) {
-    json["bounds_min_m"] = vector_json(box.min);
-    json["bounds_max_m"] = vector_json(box.max);
+    json["bounds_min_m"] = shortest(box.min, scene.anchor_m);
+    json["bounds_max_m"] = shortest(box.max, scene.anchor_m);
   }
   json["power_lm"] = vector_json(input.lit.lights.total_power_lm());
   std::vector<std::string> warnings = input.warnings;
@@ -168,6 +168,7 @@ std::string text_of(const Json& value) {
 
 void run_info(const std::string& path, const SceneOptions& options, const CommonOptions& common) {
   Json json{{"file", path}};
+  if (options.load.scale != 1 && file_kind(path) != FileKind::scene) throw UsageError("--scale serves scenes only");
   switch (const FileKind kind = file_kind(path)) {
     case FileKind::scene:
       json.update(scene_json(path, options, common));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "grid/base/anchor.h"
 #include "tracer/bake/fiv/directions.h"
 #include "tracer/bake/fiv/fit.h"
 #include "tracer/bake/fiv/gather.h"
@@ -23,7 +24,7 @@ FivTable bake_fiv(const FivOccluder& occluder, const CubeMap& environment, const
   FivTable table;
   table.size = params.samples;
   table.hemispheres = params.hemispheres;
-  table.center_m = occluder.center_m;
+  table.center_m = V3f(to_world(occluder.center_m, occluder.anchor_m));
   table.radius_m = occluder.radius_m;
   table.shape = occluder.shape;
   table.radii = params.radii.empty() ? fiv_radii(occluder, environment, params) : params.radii;
