@@ -61,38 +61,23 @@ float hidden_by(const GuardRecord& record, const V3f& u) {
   return most;
 }
 
-namespace {
-
-// Calls visit(entry, hidden) for the entries that count.
-template <typename Visit>
-void for_each_hidden(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint, const Visit& visit) {
-  const V3f index = grid.frame.to_index(p);
-  for (int i = 0; i < footprint.count; ++i) {
-    const std::uint32_t vertex = footprint.vertex[std::size_t(i)];
-    if (footprint.weight[std::size_t(i)] == 0 || grid.visible_fraction[vertex] <= 0) continue;
-    visit(std::size_t(i), hidden_by(grid.guard[vertex], index - V3f(grid.frame.vertex_coordinates(vertex))));
-  }
-}
-
-}  // namespace
-
-VisibleEntries visible_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint) {
+VisibleEntries visible_by_guard(const IrradianceGrid& grid, const V3f& p, const V3f& ng, float off_m,
+                                const Footprint& footprint) {
   VisibleEntries visible;
   if (grid.guard.empty()) return visible.set();
-  for_each_hidden(grid, p, footprint, [&](std::size_t entry, float hidden) { visible[entry] = hidden <= 0; });
+  const V3f index = grid.frame.to_index(p);
+  const V3f& spacing = grid.frame.spacing_m;
+  const V3f facing = grid.frame.direction_to_local(ng) * spacing;  // times voxels: metres along ng
+  const float behind_m = off_m + in_plane_voxels * std::min({spacing.x, spacing.y, spacing.z});
+  const bool wide = footprint.count > 8;
+  for (std::size_t i = 0; i < std::size_t(footprint.count); ++i) {
+    const std::uint32_t vertex = footprint.vertex[i];
+    if (footprint.weight[i] == 0 || grid.visible_fraction[vertex] <= 0) continue;
+    const V3f u = index - V3f(grid.frame.vertex_coordinates(vertex));
+    if (wide && facing.dot(u) > behind_m) continue;
+    visible[i] = hidden_by(grid.guard[vertex], u) <= 0;
+  }
   return visible;
-}
-
-VisibleEntries least_hidden_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint) {
-  VisibleEntries best;
-  if (grid.guard.empty()) return best.set();
-  float least = std::numeric_limits<float>::infinity();
-  for_each_hidden(grid, p, footprint, [&](std::size_t entry, float hidden) {
-    if (hidden >= least) return;
-    least = hidden;
-    best.reset().set(entry);
-  });
-  return best;
 }
 
 }  // namespace ivory

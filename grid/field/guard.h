@@ -24,11 +24,14 @@ std::optional<GuardPlane> unpack(std::uint32_t word);
 // positive where the vertex does not see it, very negative where no plane is set.
 float hidden_by(const GuardRecord& record, const V3f& u);
 
-// The entries whose vertices see p (world, m) by their planes; all of them for a grid without guard.
-VisibleEntries visible_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint);
+// A vertex this little behind a surface stands in its plane: rounding has no say about it.
+inline constexpr float in_plane_voxels = 0.01F;
 
-// The one entry whose vertex, of those that store something, is the least hidden from p (world, m); none where no
-// vertex stores anything, all for a grid without guard.
-VisibleEntries least_hidden_by_guard(const IrradianceGrid& grid, const V3f& p, const Footprint& footprint);
+// The entries whose vertices see p (world, m) by their planes; all of them for a grid without guard. p lies off_m
+// before a surface of unit normal ng; ng is 0 for a point in space. Planes are fitted within a voxel of their vertex,
+// and those of the wider, tricubic footprint may not know of a wall between: its vertices behind the surface do not
+// count.
+VisibleEntries visible_by_guard(const IrradianceGrid& grid, const V3f& p, const V3f& ng, float off_m,
+                                const Footprint& footprint);
 
 }  // namespace ivory

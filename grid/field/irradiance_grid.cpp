@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "grid/base/anchor.h"
+
 namespace ivory {
 
 namespace {
@@ -32,6 +34,11 @@ AxisFootprint axis_footprint(float x, int size, Interpolation interpolation) {
 }
 
 }  // namespace
+
+void set_anchor(GridVertices& grid, const V3d& anchor_m) {
+  grid.frame.origin_m = to_local(to_world(grid.frame.origin_m, grid.anchor_m), anchor_m);
+  grid.anchor_m = anchor_m;
+}
 
 Footprint make_footprint(const GridFrame& frame, const V3f& p, Interpolation interpolation) {
   const V3f index = frame.to_index(p);
@@ -116,11 +123,13 @@ Rgb irradiance(const IrradianceGrid& grid, const Footprint& footprint, const V3f
   }
 }
 
-Rgb irradiance_standard_error(const IrradianceGrid& grid, const Footprint& footprint) {
+Rgb irradiance_standard_error(const IrradianceGrid& grid, const Footprint& footprint, float unmet_lux) {
+  const Rgb unmet = Rgb(1, 1, 1) * (unmet_lux * unmet_lux);
   Rgb variance(0, 0, 0);
   for (int entry = 0; entry < footprint.count; ++entry) {
     const float weight = footprint.weight[std::size_t(entry)];
-    variance += grid.variance[footprint.vertex[std::size_t(entry)]] * (weight * weight);
+    const Rgb& of_vertex = grid.variance[footprint.vertex[std::size_t(entry)]];
+    variance += (is_black(of_vertex) ? unmet : of_vertex) * (weight * weight);
   }
   return {std::sqrt(variance.x), std::sqrt(variance.y), std::sqrt(variance.z)};
 }

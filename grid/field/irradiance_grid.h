@@ -28,6 +28,7 @@ inline constexpr auto name_table<StoredLight> = make_name_table<StoredLight>(
 // What a grid and the sums that it is made from (accumulator.h) have in common.
 struct GridVertices {
   GridFrame frame;
+  V3d anchor_m{0, 0, 0};  // the frame's positions plus this are the world's: grid/base/anchor.h
   Basis basis = Basis::vectors;
   StoredLight light = StoredLight::indirect;
   // [vertex] fraction of the vertex's cell, in 64ths, that the vertex sees; 0 marks a vertex that stores nothing
@@ -69,7 +70,7 @@ inline constexpr auto name_table<Guard> =
 // The vertices that a look-up reads and their interpolation weights, which add up to one.
 inline constexpr std::size_t max_footprint = 72;
 struct Footprint {
-  int count = 0;  // 8 trilinear, 64 tricubic, 72 a blend of both
+  int count = 0;  // 8 trilinear, 64 tricubic, 72 a blend of both; 0: no vertex sees the point, and E is 0
   std::array<std::uint32_t, max_footprint> vertex;
   std::array<float, max_footprint> weight;
 };
@@ -85,7 +86,11 @@ struct LookupParams {
   float nudge_voxels = 0.25F;  // p moves along n by this fraction of a voxel before it is looked up
 };
 
-// Footprint of p (world, m). Beyond the outermost vertices the nearest ones are repeated.
+// Places the vertices relative to another anchor; in the world they stay where they are.
+void set_anchor(GridVertices& grid, const V3d& anchor_m);
+
+// Footprint of p (as the frame counts it: world, m, less the anchor). Beyond the outermost vertices the nearest ones
+// are repeated.
 Footprint make_footprint(const GridFrame& frame, const V3f& p, Interpolation interpolation);
 
 // How much a vertex that sees that fraction of its cell counts, 0 to 1: one that sees less than a quarter knows less of
@@ -108,6 +113,7 @@ Rgb irradiance(const IrradianceGrid& grid, const Footprint& footprint, const V3f
 // track passes several of those around a point (too low), and all photons count a third, though those from behind the
 // receiver count nothing (too high). In a closed room with and without direct light, and on a plane under a sun, the
 // spread over seeds came to 0.71 to 0.81 of it, on the whole; at single points to between a half and 1.1 of it.
-Rgb irradiance_standard_error(const IrradianceGrid& grid, const Footprint& footprint);
+// A vertex that no photon came to has the standard error unmet_lux: unmet_bound_lux() of evidence.h.
+Rgb irradiance_standard_error(const IrradianceGrid& grid, const Footprint& footprint, float unmet_lux = 0);
 
 }  // namespace ivory

@@ -12,8 +12,9 @@ float nudge_m(const GridFrame& frame, const LookupParams& params);
 
 // The footprint read at `nudged` (world, m, already off the surface). visible(footprint) says as VisibleEntries which
 // entries see it; the others are left out. Where what is left holds less than `enough_weight`, in narrow places, the
-// vertices of the tricubic footprint that see the point help out; where none does, the one least hidden by its planes
-// answers.
+// vertices of the tricubic footprint that see the point help out. Where none does, no entry is left, which reads as
+// dark: on the outside of a lit house, and in gaps that no vertex sees into. (Such gaps of a cluttered room, 8 to 32
+// vertices long, had 0.15 to 0.18 of its mean light. The vertex least hidden by its planes answered 0.34 to 0.88.)
 inline constexpr float enough_weight = 0.25F;
 template <typename Visible>
 Footprint guarded_footprint(const IrradianceGrid& grid, const V3f& nudged, Interpolation interpolation,
@@ -26,13 +27,12 @@ Footprint guarded_footprint(const IrradianceGrid& grid, const V3f& nudged, Inter
     Footprint wide = make_footprint(grid.frame, nudged, Interpolation::tricubic);
     if (restrict_footprint(grid, visible(wide), wide) > 0) return blend(footprint, wide, kept / enough_weight);
   }
-  if (kept == 0) restrict_footprint(grid, least_hidden_by_guard(grid, nudged, footprint), footprint);
-  return footprint;
+  return kept > 0 ? footprint : Footprint();
 }
 
 // The footprint that a look-up at surface point p (world, m; unit geometric normal ng on the lit side) reads, by the
 // stored planes or without guard: p is nudged off the surface along ng by params.nudge_voxels. params.guard is planes
-// or off.
+// or off. Without entries where no vertex sees p.
 Footprint lookup_footprint(const IrradianceGrid& grid, const V3f& p, const V3f& ng, const LookupParams& params);
 
 // E(n) in lux per channel at p through that footprint; n is the unit shading normal. Throws as irradiance() does.

@@ -22,15 +22,15 @@ OIIO::TypeDesc type_desc(PixelType type) {
   return type == PixelType::float32 ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8;
 }
 
-// OpenImageIO prints an unread error when the program ends.
-std::string last_error() {
-  std::string error = OIIO::geterror();
+// What an image says went wrong, in one line, and never nothing.
+std::string said(std::string error) {
   while (!error.empty() && error.back() == '\n') error.pop_back();
-  return error;
+  std::replace(error.begin(), error.end(), '\n', ' ');
+  return error.empty() ? "OpenImageIO does not say why" : error;
 }
 
-// What an image says went wrong, never nothing.
-std::string said(std::string error) { return error.empty() ? "OpenImageIO does not say why" : error; }
+// OpenImageIO prints an unread error when the program ends.
+std::string last_error() { return said(OIIO::geterror()); }
 
 // TIFF and TGA say it; of formats that keep floats, colour times alpha is what shines.
 bool is_premultiplied(const OIIO::ImageSpec& spec, std::string_view format) {

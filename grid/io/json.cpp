@@ -7,7 +7,6 @@
 #include <nlohmann/json.hpp>
 
 #include "grid/base/error.h"
-#include "grid/io/file.h"
 
 namespace ivory {
 
@@ -80,8 +79,6 @@ std::string json_asset_kind(const std::string& path) {
   Json::sax_parse(file, &finder);
   return finder.kind;
 }
-
-void write_json_text(const std::string& path, const std::string& text, bool force) { write_file(path, text, force); }
 
 Json to_json(const Metadata& metadata) {
   Json json = Json::object();

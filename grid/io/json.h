@@ -34,9 +34,6 @@ Json read_json_asset(const std::string& path, const JsonAssetKind& kind);
 // The name of the kind of JSON asset that a file is; empty for all else. Reads no farther than the entry that says so.
 std::string json_asset_kind(const std::string& path);
 
-// Whole or not at all. Throws Error where the file exists and not `force`, or cannot be written.
-void write_json_text(const std::string& path, const std::string& text, bool force);
-
 // An entry for each key.
 Json to_json(const Metadata& metadata);
 // All entries that are text or numbers, but for the one that names the kind.

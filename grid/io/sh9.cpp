@@ -85,7 +85,7 @@ void write_sh9(const std::string& path, const Sh9Asset& asset, bool force) {
             {"coefficients", triples(asset.sh.coefficients)},
             {"matrices", matrices_json(sh9_matrices(asset.sh))}};
   json.update(to_json(asset.metadata));
-  write_json_text(path, text_of(json), force);
+  write_file(path, text_of(json), force);
 }
 
 Sh9Asset read_sh9(const std::string& path) {
@@ -163,7 +163,7 @@ void write_sh9_dialect(const std::string& path, const Sh9Asset& asset, Sh9Dialec
       break;
   }
   json["extras"] = extras;
-  write_json_text(path, text_of(json), force);
+  write_file(path, text_of(json), force);
 }
 
 }  // namespace ivory

@@ -18,10 +18,10 @@ namespace {
 // std140 of the block IvoryLights in shaders/renderer/punctual_lights.glsl.
 struct LightBlock {
   struct Light {
-    V4f position_kind;        // world, and LightKind
-    V4f direction_cos_outer;  // the way the light travels, cosine of the outer angle
-    V4f intensity_width;      // cd or lux, inner minus outer cosine
-    V4f shadow;               // first layer or -1, world size of a shadow texel (at 1 m unless directional)
+    V4f position_kind;    // world, and LightKind
+    V4f direction_outer;  // the way the light travels, 1 - cosine of the outer angle
+    V4f intensity_width;  // cd or lux, inner minus outer cosine
+    V4f shadow;           // first layer or -1, world size of a shadow texel (at 1 m unless directional)
   };
   std::int32_t count = 0;
   std::array<std::int32_t, 3> padding{};
@@ -44,6 +44,12 @@ M44f perspective(float half_angle_rad, float near_m, float far_m) {
   const float a = -(far_m + near_m) / (far_m - near_m);
   const float b = -2 * far_m * near_m / (far_m - near_m);
   return {f, 0, 0, 0, 0, f, 0, 0, 0, 0, a, -1, 0, 0, b, 0};
+}
+
+// Without the difference, which float loses for narrow cones.
+double one_minus_cosine(float angle_rad) {
+  const double s = std::sin(0.5 * double(angle_rad));
+  return 2 * s * s;
 }
 
 V3f any_up(const V3f& forward) { return std::abs(forward.y) < 0.9F ? V3f(0, 1, 0) : V3f(1, 0, 0); }
@@ -159,11 +165,12 @@ void LightSet::update(std::span<const RuntimeLight> lights, std::span<const Shad
   for (std::size_t i = 0; i < lights.size(); ++i) {
     const RuntimeLight& light = lights[i];
     LightBlock::Light& out = block.lights[i];
-    const float cos_outer = std::cos(light.outer_angle_rad);
+    const double outer = one_minus_cosine(light.outer_angle_rad);
+    // As narrow as tracer/lights/punctual.cpp has it.
+    const double width = std::max({outer - one_minus_cosine(light.inner_angle_rad), 1e-6 * outer, 1e-30});
     out.position_kind = V4f(light.position_m.x, light.position_m.y, light.position_m.z, float(light.kind));
-    out.direction_cos_outer = V4f(light.direction.x, light.direction.y, light.direction.z, cos_outer);
-    out.intensity_width = V4f(light.intensity.x, light.intensity.y, light.intensity.z,
-                              std::max(0.001F, std::cos(light.inner_angle_rad) - cos_outer));
+    out.direction_outer = V4f(light.direction.x, light.direction.y, light.direction.z, float(outer));
+    out.intensity_width = V4f(light.intensity.x, light.intensity.y, light.intensity.z, float(width));
     out.shadow = V4f(-1, 0, 0, 0);
     const auto wanted = std::size_t(layers_of(light));
     if (wanted == 0 || box.isEmpty()) continue;

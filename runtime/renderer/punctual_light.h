@@ -19,7 +19,7 @@ struct RuntimeLight {
   V3f position_m{0, 0, 0};    // point and spot
   V3f direction{0, 0, -1};    // spot and directional: unit, the way the light travels
   Rgb intensity{1, 1, 1};     // cd; directional: illuminance in lux
-  float inner_angle_rad = 0;  // spot: from the axis, 0 <= inner < outer <= pi / 2
+  float inner_angle_rad = 0;  // spot: from the axis, 0 <= inner <= outer <= pi / 2
   float outer_angle_rad = pi / 4;
   bool casts_shadow = true;
 };

@@ -7,8 +7,10 @@
 //                            times its trust, divided by g.scale
 //   sampler3D trust          R16F, linear: min(1, visible fraction / 0.25) a vertex, 0 where nothing is stored
 //   usampler3D guard         RGBA32UI, nearest: the vertex's guard record
-//   vec3 p, ng, n            world position in metres, unit geometric normal on the lit side, unit shading normal
-// Answers are lux. p may lie anywhere; outside the grid its nearest vertices answer.
+//   vec3 p, ng, n            world position in metres, unit geometric normal on the lit side (0 for a point that lies
+//                            before no surface), unit shading normal
+// Answers are lux. p may lie anywhere; outside the grid its nearest vertices answer. With guard, what no vertex sees is
+// dark.
 //
 // The choices among g (basis, form, guard, interpolation, reconstruction) may be compiled in instead of read from the
 // struct, which saves what a driver makes of branches not taken: #define IVORY_GRID_BASIS and so on before this file
@@ -160,32 +162,29 @@ void ivory_grid_unguarded(IvoryGrid g, sampler3D volumes, sampler3D trust, vec3 
 
 // What the guard leaves of a footprint.
 struct IvorySeen {
-  uvec2 entries;       // bit e: entry e sees the point
-  float kept;          // their trusted weight
-  bool all;            // no entry that stores something is hidden
-  int least_hidden;    // the entry, of those that store something, least hidden; -1 for none
-  float least_weight;  // its trusted weight
+  uvec2 entries;  // bit e: entry e sees the point
+  float kept;     // their trusted weight
+  bool all;       // no entry that stores something is hidden
 };
-IvorySeen ivory_visible_by_guard(IvoryGrid g, sampler3D trust, usampler3D guard, vec3 index, IvoryFootprint footprint,
-                                 int count) {
-  IvorySeen seen = IvorySeen(uvec2(0u), 0.0, true, -1, 0.0);
-  float least = 3.402823e38;
+// Planes are fitted within a voxel of their vertex: a wide footprint's vertices do not count behind the surface, which
+// has the unit normal ng and lies g.nudge_m behind the point. A hundredth of a voxel keeps those in its very plane.
+IvorySeen ivory_visible_by_guard(IvoryGrid g, sampler3D trust, usampler3D guard, vec3 index, vec3 ng,
+                                 IvoryFootprint footprint, int count) {
+  IvorySeen seen = IvorySeen(uvec2(0u), 0.0, true);
+  vec3 facing = ng * g.local_to_world * g.spacing_m;
+  float behind_m = g.nudge_m + 0.01 * min(g.spacing_m.x, min(g.spacing_m.y, g.spacing_m.z));
   for (int e = 0; e < count; ++e) {
     ivec3 vertex;
     float weight;
     ivory_footprint_entry(g, footprint, e, vertex, weight);
     weight *= texelFetch(trust, vertex, 0).r;
-    float hidden = ivory_hidden_by(texelFetch(guard, vertex, 0), index - vec3(vertex));
-    if (hidden <= 0.0) {
+    vec3 u = index - vec3(vertex);
+    bool behind = footprint.wide && dot(facing, u) > behind_m;
+    if (!behind && ivory_hidden_by(texelFetch(guard, vertex, 0), u) <= 0.0) {
       seen.entries |= uvec2(e < 32 ? 1u << uint(e) : 0u, e < 32 ? 0u : 1u << uint(e - 32));
       seen.kept += weight;
     } else if (weight > 0.0) {
       seen.all = false;
-    }
-    if (weight > 0.0 && hidden < least) {
-      least = hidden;
-      seen.least_hidden = e;
-      seen.least_weight = weight;
     }
   }
   return seen;
@@ -201,12 +200,12 @@ bool ivory_sees(IvorySeen seen, int e) {
 //
 // `rounds` is 0 where a point needs none: drivers that turn branches into masks skip the rounds of a loop that no pixel
 // of a group needs, but run both sides of a branch.
-void ivory_grid_guarded(IvoryGrid g, sampler3D volumes, sampler3D trust, usampler3D guard, vec3 index,
+void ivory_grid_guarded(IvoryGrid g, sampler3D volumes, sampler3D trust, usampler3D guard, vec3 index, vec3 ng,
                         out vec3 m[12]) {
   int count = ivory_grid_volume_count(g);
   IvoryFootprint near = ivory_make_footprint(g, index, IVORY_GRID_INTERPOLATION);
   int near_count = ivory_footprint_count(near);
-  IvorySeen near_seen = ivory_visible_by_guard(g, trust, guard, index, near, near_count);
+  IvorySeen near_seen = ivory_visible_by_guard(g, trust, guard, index, ng, near, near_count);
   bool enough = near_seen.kept >= ivory_grid_enough_weight;
   bool filtered = near_seen.all && enough;
   // Divided by the trust that the same filter finds: hardware rounds its weights, to the same for both.
@@ -215,7 +214,7 @@ void ivory_grid_guarded(IvoryGrid g, sampler3D volumes, sampler3D trust, usample
   bool empty = near_seen.kept < ivory_grid_least_weight;
   float near_factor = empty ? 0.0 : 1.0 / near_seen.kept;
   for (int f = 0; f < 12; ++f) m[f] *= filtered ? 1.0 / filtered_kept : 0.0;
-  int rounds = filtered ? 0 : near_count;
+  int rounds = filtered || empty ? 0 : near_count;
 
   // Where little weight is kept, the vertices around help out.
   IvoryFootprint wide = near;
@@ -223,17 +222,14 @@ void ivory_grid_guarded(IvoryGrid g, sampler3D volumes, sampler3D trust, usample
   float wide_factor = 0.0;
   if (IVORY_GRID_INTERPOLATION == ivory_trilinear) {
     wide = ivory_make_footprint(g, index, ivory_tricubic);
-    wide_seen = ivory_visible_by_guard(g, trust, guard, index, wide, enough ? 0 : 64);
+    wide_seen = ivory_visible_by_guard(g, trust, guard, index, ng, wide, enough ? 0 : 64);
     if (!enough && wide_seen.kept >= ivory_grid_least_weight) {
       float share = empty ? 0.0 : near_seen.kept / ivory_grid_enough_weight;
       near_factor *= share;
       wide_factor = (1.0 - share) / wide_seen.kept;
       rounds = near_count + 64;
-      empty = false;
     }
   }
-  // Where no vertex sees the point, the least hidden one answers, or all as if they did.
-  int only = near_seen.least_weight >= ivory_grid_least_weight ? near_seen.least_hidden : -1;
 
   for (int round = 0; round < rounds; ++round) {
     bool is_near = round < near_count;
@@ -242,11 +238,7 @@ void ivory_grid_guarded(IvoryGrid g, sampler3D volumes, sampler3D trust, usample
     float weight, wide_weight;
     ivory_footprint_entry(g, near, is_near ? e : 0, vertex, weight);
     ivory_footprint_entry(g, wide, e, wide_vertex, wide_weight);
-    if (empty) {
-      // What is stored is the value times its trust.
-      float t = texelFetch(trust, vertex, 0).r;
-      weight = t > 0.0 ? (only < 0 ? weight : float(only == e)) / t : 0.0;
-    } else if (is_near) {
+    if (is_near) {
       weight = ivory_sees(near_seen, e) ? weight * near_factor : 0.0;
     } else {
       vertex = wide_vertex;
@@ -264,12 +256,13 @@ void ivory_grid_decode(IvoryGrid g, vec3 n, inout vec3 m[12]) {
   for (int f = 0; f < 12; ++f) m[f] *= g.scale;
 }
 
-// Moments in lux at the world position p, which is not nudged, to be read at the unit normal n.
-void ivory_lookup_moments(IvoryGrid g, sampler3D volumes, sampler3D trust, usampler3D guard, vec3 p, vec3 n,
+// Moments in lux at the world position p, which is not nudged, to be read at the unit normal n. ng is the unit geometric
+// normal of the surface that p lies g.nudge_m before, 0 for none.
+void ivory_lookup_moments(IvoryGrid g, sampler3D volumes, sampler3D trust, usampler3D guard, vec3 p, vec3 ng, vec3 n,
                           out vec3 m[12]) {
   vec3 index = ivory_grid_to_index(g, p);
   if (IVORY_GRID_GUARD == ivory_guard_planes)
-    ivory_grid_guarded(g, volumes, trust, guard, index, m);
+    ivory_grid_guarded(g, volumes, trust, guard, index, ng, m);
   else
     ivory_grid_unguarded(g, volumes, trust, index, m);
   ivory_grid_decode(g, n, m);
@@ -285,9 +278,9 @@ void ivory_vertex_moments(IvoryGrid g, sampler3D volumes, sampler3D trust, ivec3
   ivory_grid_decode(g, n, m);
 }
 
-// The same two without a normal in mind, as pictures of what is stored want them.
+// The same two without a normal or a surface in mind, as pictures of what is stored want them.
 void ivory_lookup_moments(IvoryGrid g, sampler3D volumes, sampler3D trust, usampler3D guard, vec3 p, out vec3 m[12]) {
-  ivory_lookup_moments(g, volumes, trust, guard, p, g.local_to_world * vec3(0.57735027), m);
+  ivory_lookup_moments(g, volumes, trust, guard, p, vec3(0.0), g.local_to_world * vec3(0.57735027), m);
 }
 void ivory_vertex_moments(IvoryGrid g, sampler3D volumes, sampler3D trust, ivec3 vertex, out vec3 m[12]) {
   ivory_vertex_moments(g, volumes, trust, vertex, g.local_to_world * vec3(0.57735027), m);
@@ -302,6 +295,6 @@ vec3 ivory_grid_irradiance(IvoryGrid g, vec3 m[12], vec3 n) {
 vec3 ivory_lookup_irradiance(IvoryGrid g, sampler3D volumes, sampler3D trust, usampler3D guard, vec3 p, vec3 ng,
                              vec3 n) {
   vec3 m[12];
-  ivory_lookup_moments(g, volumes, trust, guard, p + ng * g.nudge_m, n, m);
+  ivory_lookup_moments(g, volumes, trust, guard, p + ng * g.nudge_m, ng, n, m);
   return ivory_grid_irradiance(g, m, n);
 }

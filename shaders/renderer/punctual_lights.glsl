@@ -3,10 +3,10 @@
 #include "renderer/bsdf.glsl"
 
 struct IvoryLight {
-  vec4 position_kind;        // world m; 0 point, 1 spot, 2 directional
-  vec4 direction_cos_outer;  // unit, the way the light travels; spots
-  vec4 intensity_width;      // cd, or lux for directional; inner minus outer cosine
-  vec4 shadow;               // first layer or -1; world size of a shadow texel (at distance 1 m unless directional)
+  vec4 position_kind;    // world m; 0 point, 1 spot, 2 directional
+  vec4 direction_outer;  // unit, the way the light travels; spots: 1 - cosine of the outer angle
+  vec4 intensity_width;  // cd, or lux for directional; inner minus outer cosine
+  vec4 shadow;           // first layer or -1; world size of a shadow texel (at distance 1 m unless directional)
 };
 layout(std140) uniform IvoryLights {
   int ivory_light_count;
@@ -53,14 +53,17 @@ vec3 ivory_direct_light(IvorySurface s) {
   for (int i = 0; i < ivory_light_count; ++i) {
     IvoryLight light = ivory_lights[i];
     bool directional = light.position_kind.w == 2.0;
-    vec3 to_light = directional ? -light.direction_cos_outer.xyz : light.position_kind.xyz - s.p;
+    vec3 to_light = directional ? -light.direction_outer.xyz : light.position_kind.xyz - s.p;
     float distance2 = dot(to_light, to_light);
     vec3 w = to_light * inversesqrt(distance2);
     vec3 e = light.intensity_width.rgb;
     if (!directional) e /= distance2;
     if (light.position_kind.w == 1.0) {
-      float a = (dot(-w, light.direction_cos_outer.xyz) - light.direction_cos_outer.w) / light.intensity_width.a;
-      a = clamp(a, 0.0, 1.0);
+      // 1 - cosine from the axis, by the sine: the difference would lose narrow cones.
+      float cosine = dot(-w, light.direction_outer.xyz);
+      vec3 sine = cross(w, light.direction_outer.xyz);
+      float x = cosine > 0.0 ? dot(sine, sine) / (1.0 + cosine) : 1.0 - cosine;
+      float a = clamp((light.direction_outer.w - x) / light.intensity_width.a, 0.0, 1.0);
       e *= a * a;
     }
     vec3 reflected = e * ivory_eval_bsdf(s, w);

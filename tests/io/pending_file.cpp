@@ -5,6 +5,7 @@
 #include <memory>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include "grid/base/error.h"
 #include "grid/io/file.h"
@@ -81,8 +82,8 @@ TEST_F(PendingFiles, LinksStayAndTheirTargetsAreWritten) {
 
 // Two writers of one file, be they of one process or of two machines with equal process numbers.
 TEST_F(PendingFiles, WritersOfOneFileDoNotMeet) {
-  PendingFile first(path("a.csv"), false);
-  PendingFile second(path("a.csv"), false);
+  PendingFile first(path("a.csv"), true);
+  PendingFile second(path("a.csv"), true);
   EXPECT_NE(first.temporary(), second.temporary());
   write(first.temporary(), "first");
   write(second.temporary(), "second, which is longer");
@@ -91,19 +92,74 @@ TEST_F(PendingFiles, WritersOfOneFileDoNotMeet) {
   EXPECT_EQ(read(path("a.csv")), "first");
 }
 
-TEST_F(PendingFiles, AFullDiskIsAnErrorAndLeavesTheOldFile) {
-  const std::string text(10000, 'x');
-  write_file(path("store/a.json"), text, false);
-  EXPECT_THROW(write_file(path("store/a.json"), text, false), Error);
+// Without force nothing is written over, though it came later; and nothing is lost.
+TEST_F(PendingFiles, WhatAnotherHasMadeMeanwhileStays) {
+  std::string kept;
   {
-    const FullDisk full(text.size() - 1);
-    EXPECT_THROW(write_file(path("store/a.json"), text, true), Error);
-    EXPECT_NO_THROW(write_file(path("store/b.json"), "short", false));
+    PendingFile slow(path("store/a.csv"), false);
+    write(slow.temporary(), "slow");
+    write(path("store/a.csv"), "quick");
+    kept = slow.temporary();
+    try {
+      slow.commit();
+      FAIL() << "written over";
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(kept), std::string::npos) << error.what();
+    }
   }
-  EXPECT_EQ(read(path("store/a.json")), text);
-  EXPECT_EQ(files_in("store"), 2U);
-  write_file(path("store/a.json"), "", true);
-  EXPECT_EQ(read(path("store/a.json")), "");
+  EXPECT_EQ(read(path("store/a.csv")), "quick");
+  EXPECT_EQ(read(kept), "slow");
+}
+
+// File systems hold names of 255 bytes; the temporary one is no longer than the target's.
+TEST_F(PendingFiles, NamesMayBeAsLongAsTheFileSystemBears) {
+  const std::string umlauts = [] {
+    std::string text;
+    for (int i = 0; i < 125; ++i) text += "\u00e4";
+    return text;
+  }();
+  for (const std::string& name : {std::string(250, 'x') + ".exr", umlauts + ".vdb", "x." + std::string(250, 'y')}) {
+    write_file(path("store/" + name), "whole", false);
+    EXPECT_EQ(read(path("store/" + name)), "whole") << name;
+  }
+  EXPECT_EQ(files_in("store"), 3U);
+  try {
+    PendingFile(path("store/" + std::string(260, 'x') + ".exr"), false);
+    FAIL() << "a name of 264 bytes";
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("give a shorter name"), std::string::npos) << error.what();
+  }
+}
+
+TEST_F(PendingFiles, DevicesAndPipesAreNoFiles) {
+  ASSERT_EQ(::mkfifo(path("pipe.csv").c_str(), 0600), 0);
+  for (const std::string& name : {std::string("/dev/null"), std::string("/dev/full"), path("pipe.csv")}) {
+    try {
+      write_file(name, "x", true);
+      FAIL() << name;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("a device or a pipe"), std::string::npos) << error.what();
+    }
+  }
+}
+
+// The cause is the system's, and the remedy goes with it.
+TEST_F(PendingFiles, SayWhyTheyCannotBeWritten) {
+  const auto message = [](const std::string& name) -> std::string {
+    try {
+      write_file(name, std::string(100'000, 'x'), true);
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(message(path("nowhere/a.csv")).find("(No such file or directory); make its folder"), std::string::npos);
+  const std::string too_large = [&] {
+    const FullDisk limit(5000);
+    return message(path("store/a.csv"));
+  }();
+  EXPECT_NE(too_large.find("(File too large); raise the limit"), std::string::npos) << too_large;
+  EXPECT_EQ(files_in("store"), 0U);
 }
 
 TEST(LowerExtension, IsThatOfTheLastComponent) {

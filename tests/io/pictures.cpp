@@ -83,6 +83,19 @@ std::vector<std::uint8_t> colors(int channels, int alpha = 255) {
   return out;
 }
 
+// Numbers of 32 bits as PNG keeps them, and one of its chunks.
+std::string words(std::initializer_list<unsigned> values) {
+  std::string out;
+  for (const unsigned value : values)
+    for (int shift = 24; shift >= 0; shift -= 8) out += char(value >> unsigned(shift));
+  return out;
+}
+std::string chunk(const std::string& type, const std::string& data) {
+  const std::string whole = type + data;
+  return words({unsigned(data.size())}) + whole +
+         words({unsigned(crc32(0, reinterpret_cast<const Bytef*>(whole.data()), uInt(whole.size())))});
+}
+
 // IEC 61966-2-1.
 float linear(int byte) {
   const double x = byte / 255.0;
@@ -147,17 +160,6 @@ TEST_F(Pictures, PowersThatFilesStateAreTaken) {
   EXPECT_NEAR(texels(flat)[3].y, float(rgb[10]) / 255, 1e-6);
   // cHRM of Display P3, whose green is (-0.2249, 1.0421, -0.0786) of Rec.709 (the published matrix), at a grey and at
   // its green with sRGB's curve.
-  const auto words = [](std::initializer_list<unsigned> values) {
-    std::string out;
-    for (const unsigned value : values)
-      for (int shift = 24; shift >= 0; shift -= 8) out += char(value >> unsigned(shift));
-    return out;
-  };
-  const auto chunk = [&](const std::string& type, const std::string& data) {
-    return words({unsigned(data.size())}) + type + data +
-           words({unsigned(
-               crc32(0, reinterpret_cast<const Bytef*>((type + data).data()), uInt(type.size() + data.size())))});
-  };
   std::string png = bytes_of(write("p3.png", 3, std::vector<std::uint8_t>(96, 180), TypeDesc::UINT8));
   png.insert(33, chunk("cHRM", words({31270, 32900, 68000, 32000, 26500, 69000, 15000, 6000})));
   while (png.find("sRGB") != std::string::npos) png.replace(png.find("sRGB") - 4, 13, "");
@@ -196,6 +198,36 @@ TEST_F(Pictures, ColourBehindAlphaCountsInFull) {
                                    [](ImageSpec& spec) { spec.erase_attribute("oiio:UnassociatedAlpha"); }));
   for (std::size_t i = 0; i < texels(tif).size(); ++i)
     EXPECT_NEAR(texels(tif)[i].x, linear(colors(3)[i * 3]), 0.011) << i;
+}
+
+// A grey PNG of that size around other rows than it should have.
+std::string png_around(unsigned png_width, unsigned png_height, const std::string& rows) {
+  std::string packed(rows.size() + 100, '\0');
+  uLongf size = packed.size();
+  EXPECT_EQ(compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(rows.data()),
+                     uLong(rows.size())),
+            Z_OK);
+  packed.resize(size);
+  return "\x89PNG\r\n\x1A\n" + chunk("IHDR", words({png_width, png_height}) + std::string("\x08\0\0\0\0", 5)) +
+         chunk("IDAT", packed) + chunk("IEND", "");
+}
+
+// Found by fuzzing: what libpng says has an end of line; a header of 80 bytes took gigabytes before it was found out.
+TEST_F(Pictures, DamageIsOneLineAndTakesNoMemory) {
+  const auto message = [&](const std::string& bytes) -> std::string {
+    std::ofstream(path("a.png"), std::ios::binary) << bytes;
+    try {
+      load_environment_image(path("a.png"));
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string filter = message(png_around(4, 2, std::string("\x09\1\2\3\4\x09\1\2\3\4", 10)));
+  EXPECT_NE(filter.find("is damaged"), std::string::npos) << filter;
+  EXPECT_EQ(filter.find('\n'), std::string::npos) << filter;
+  const std::string claim = message(png_around(32000, 16000, std::string(20, '\0')));
+  EXPECT_NE(claim.find("claims 32000 x 16000 pixels"), std::string::npos) << claim;
 }
 
 TEST_F(Pictures, OrientationsAreUpright) {

@@ -11,15 +11,6 @@ namespace ivory {
 
 namespace {
 
-std::string error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
 class RuntimeCore : public GlTest {};
 
 TEST(RuntimeContext, ItsAbsenceIsReported) {

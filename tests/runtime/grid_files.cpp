@@ -76,7 +76,7 @@ TEST_F(RuntimeGridFile, BakedGridsLoseHalfRoundingOnlyAsMoments) {
       int undecided = 0;
       for (std::size_t i = 0; i < p.size(); ++i) {
         const V3f nudged = xyz(p[i]) + xyz(n[i]) * nudge_m(grid.frame, params);
-        if (margin(grid, guard, nudged, Interpolation::trilinear).undecided) {
+        if (margin(grid, guard, nudged, xyz(n[i]), nudge_m(grid.frame, params), Interpolation::trilinear).undecided) {
           ++undecided;
           continue;
         }
@@ -194,7 +194,7 @@ TEST_F(RuntimeGridFile, LongGridsFitByArrangement) {
       {p}, [&](gl::Program& program) { bind(gpu, program, 0, params); });
   int compared = 0;
   for (std::size_t i = 0; i < p.size(); ++i) {
-    const LookupMargin at = margin(grid, Guard::off, xyz(p[i]), Interpolation::trilinear);
+    const LookupMargin at = margin(grid, Guard::off, xyz(p[i]), V3f(0, 0, 0), 0, Interpolation::trilinear);
     if (at.kept < 0.2F) continue;
     ++compared;
     const V3f n(0.6F, 0, 0.8F);
@@ -204,15 +204,6 @@ TEST_F(RuntimeGridFile, LongGridsFitByArrangement) {
     ASSERT_NEAR(result[i].x, twin.e.x, 1e-3F * twin.e.x + twin.around * 3 * 0x1p-11F / at.kept) << i;
   }
   EXPECT_GT(compared, 500);
-}
-
-std::string error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "no error";
 }
 
 // One line that names file, cause and remedy, and no object left behind.

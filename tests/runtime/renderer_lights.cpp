@@ -56,6 +56,19 @@ TEST_F(RuntimeLights, PunctualLightsFollowTheirFormulas) {
   ASSERT_GT(ramp, 0);
   EXPECT_NEAR(target.pixel(12, 3).x, expected * ramp * ramp, 1e-4F * expected);
   EXPECT_EQ(target.pixel(0, 0).x, 0);  // outside the cone
+
+  // A hard edge just behind the point, and just before it; of a cone of a tenth of a degree, on its axis.
+  for (const float change : {1e-3F, -1e-3F}) {
+    light.inner_angle_rad = light.outer_angle_rad = std::acos(cosine) + change;
+    set.update({&light, 1}, casters);
+    renderer.draw(frame);
+    EXPECT_NEAR(target.pixel(12, 3).x, change > 0 ? expected : 0, 1e-5F * expected);
+  }
+  light.direction = (V3f(x, 0, z) - light.position_m).normalized();
+  light.inner_angle_rad = light.outer_angle_rad = 0.0017F;
+  set.update({&light, 1}, casters);
+  renderer.draw(frame);
+  EXPECT_NEAR(target.pixel(12, 3).x, expected, 1e-5F * expected);
 }
 
 // A small square above the plane: its shadow is where the light does not see past it, and nowhere else, whatever

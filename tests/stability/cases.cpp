@@ -37,6 +37,8 @@ const std::multimap<std::string_view, Failure> failures{
     {"wall_angle", {"no guard", 0.2}},
     {"vertex_on_wall", {"no guard, dark side", 0.25}},
     {"vertex_on_wall", {"no guard, lit side", 0.25}},
+    {"outer_walls", {"no guard", 0.3}},
+    {"outer_walls", {"no guard, turned", 0.1}},
     {"tiny_emitters", {"path, lamps met by chance", 1.5}},
     {"caustics", {"grid, middle of the caustic", 0.6}},
     {"caustics", {"path, middle of the caustic", 0.6}},

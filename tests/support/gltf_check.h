@@ -13,17 +13,17 @@
 
 namespace ivory {
 
-inline LoadedScene load(const std::string& path) {
-  LoadedScene loaded = load_gltf(path);
+inline LoadedScene load(const std::string& path, const LoadParams& params = {}) {
+  LoadedScene loaded = load_gltf(path, params);
   EXPECT_EQ(find_fault(loaded.scene), "");
   return loaded;
 }
 
 inline LoadedScene load(const GltfBuilder& builder, const std::string& name) { return load(builder.write(name)); }
 
-inline std::string error_of(const GltfBuilder& builder, const std::string& name) {
+inline std::string error_of(const GltfBuilder& builder, const std::string& name, const LoadParams& params = {}) {
   try {
-    load_gltf(builder.write(name));
+    load_gltf(builder.write(name), params);
   } catch (const Error& error) {
     return error.what();
   }

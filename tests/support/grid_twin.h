@@ -124,20 +124,29 @@ struct LookupMargin {
   bool undecided = false;
   float kept = 1;
 };
-inline LookupMargin margin(const IrradianceGrid& grid, Guard guard, const V3f& nudged, Interpolation interpolation) {
+inline LookupMargin margin(const IrradianceGrid& grid, Guard guard, const V3f& nudged, const V3f& ng, float off_m,
+                           Interpolation interpolation) {
   constexpr float closest_voxels = 1e-4F;  // float places points of this grid to 1e-6 of a voxel or so
   LookupMargin out;
   const V3f index = grid.frame.to_index(nudged);
+  const V3f& spacing = grid.frame.spacing_m;
+  const V3f facing = grid.frame.direction_to_local(ng) * spacing;
+  const float behind_m = off_m + in_plane_voxels * std::min({spacing.x, spacing.y, spacing.z});
   const auto judge = [&](Interpolation in) {
     Footprint f = make_footprint(grid.frame, nudged, in);
     float kept = 0;
     for (std::size_t i = 0; i < std::size_t(f.count); ++i) {
       const std::uint32_t vertex = f.vertex[i];
       const V3f at(grid.frame.vertex_coordinates(vertex));
-      const float hidden = guard == Guard::planes ? hidden_by(grid.guard[vertex], index - at) : -1;
+      const V3f u = index - at;
+      const float hidden = guard == Guard::planes ? hidden_by(grid.guard[vertex], u) : -1;
       const float weight = f.weight[i] * vertex_trust(grid.visible_fraction[vertex]);
       if (weight > 0 && std::abs(hidden) < closest_voxels) out.undecided = true;
-      if (hidden <= 0) kept += weight;
+      // Of the tricubic footprint only vertices before the surface count.
+      const float behind = f.count > 8 && guard == Guard::planes ? facing.dot(u) - behind_m : -1;
+      const float farthest = std::max({std::abs(u.x), std::abs(u.y), std::abs(u.z)});
+      if (weight > 0 && hidden <= 0 && std::abs(behind) < closest_voxels * (1 + 1e-3F * farthest)) out.undecided = true;
+      if (hidden <= 0 && behind <= 0) kept += weight;
     }
     // The least weight that counts is 1e-4.
     if (kept > 0 && kept < 2e-4F) out.undecided = true;
@@ -147,18 +156,8 @@ inline LookupMargin margin(const IrradianceGrid& grid, Guard guard, const V3f& n
   out.kept = near;
   if (guard == Guard::planes && near < 0.26F && interpolation == Interpolation::trilinear)
     out.kept = std::max(near, judge(Interpolation::tricubic));
-  // Nothing is seen: the least hidden entry must be so by a margin, and hold some weight by one.
-  if (guard == Guard::planes && out.kept < 1e-4F) {
-    Footprint f = make_footprint(grid.frame, nudged, interpolation);
-    const VisibleEntries least = least_hidden_by_guard(grid, nudged, f);
-    for (std::size_t i = 0; i < std::size_t(f.count); ++i) {
-      const float weight = f.weight[i] * vertex_trust(grid.visible_fraction[f.vertex[i]]);
-      if (least[i] && weight < 2e-4F) out.undecided = true;
-      // A vertex repeated beyond the border, or one of tiny weight, may tie.
-      if (!least[i] && weight > 0 && weight < 2e-4F) out.undecided = true;
-    }
-    out.kept = 1;
-  }
+  // Nothing is seen, and nothing divided.
+  if (out.kept < 1e-4F) out.kept = 1;
   return out;
 }
 

@@ -1,11 +1,14 @@
 #include "tests/support/runtime_twin.h"
 
 #include <algorithm>
+#include <fstream>
+#include <iterator>
 #include <stdexcept>
 
 #include <epoxy/gl.h>
 #include <fmt/format.h>
 
+#include "grid/base/error.h"
 #include "runtime/gl/check.h"
 
 namespace ivory {
@@ -86,6 +89,31 @@ int live_gl_objects() {
              int(glIsRenderbuffer(id)) + int(glIsProgram(id)) + int(glIsShader(id)) + int(glIsQuery(id));
   }
   return count;
+}
+
+std::string error_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+void expect_damage_refused(const std::string& good, const std::function<void(const std::string& path)>& load) {
+  std::ifstream file(good, std::ios::binary);
+  const std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  const std::string bad = good + ".damaged.exr";
+  const int before = live_gl_objects();
+  for (const std::string& content : {bytes.substr(0, bytes.size() / 2), bytes.substr(0, 10), std::string(),
+                                     std::string("no picture at all, but a file of text that someone dropped")}) {
+    std::ofstream(bad, std::ios::binary) << content;
+    const std::string message = error_of([&] { load(bad); });
+    EXPECT_EQ(message.find(bad), 0U) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    EXPECT_EQ(live_gl_objects(), before);
+  }
+  EXPECT_NE(error_of([&] { load(good + ".missing.exr"); }), "");
 }
 
 }  // namespace ivory

@@ -38,6 +38,12 @@ std::vector<V4f> evaluate_on_gpu(const std::string& source, const std::vector<st
 // How many textures, buffers, programs and so on with names below 4096 exist in the current context.
 int live_gl_objects();
 
+// What the Error says that `action` throws; empty for none.
+std::string error_of(const std::function<void()>& action);
+
+// `load` refuses damaged copies of `good`, a file, in one line that names them, and leaves no GL object behind.
+void expect_damage_refused(const std::string& good, const std::function<void(const std::string& path)>& load);
+
 // Deterministic inputs for tests.
 inline V3f random_direction(std::mt19937& random) {
   std::normal_distribution<float> normal;

@@ -97,7 +97,8 @@ struct CheckLight {
   }
   std::string operator()(const SpotLight& l) const {
     const bool good = strength(l.intensity_cd) && finite(l.position) && unit(l.direction) && l.inner_angle_rad >= 0 &&
-                      l.inner_angle_rad < l.outer_angle_rad && l.outer_angle_rad <= 1.5707964F;
+                      l.inner_angle_rad <= l.outer_angle_rad && l.outer_angle_rad > 0 &&
+                      l.outer_angle_rad <= 1.5707964F;
     return good ? "" : "spot";
   }
   std::string operator()(const DirectionalLight& l) const {
@@ -131,7 +132,8 @@ inline std::string find_fault(const Scene& scene) {
     if (!(std::abs(instance.to_world.determinant()) > 0)) return "a transform without inverse";
   }
   for (const Camera& camera : scene.cameras)
-    if (!finite(camera.to_world) || !(camera.yfov_rad > 0 && camera.yfov_rad < pi) || !(camera.ymag_m > 0))
+    if (!finite(camera.to_world) || !(camera.yfov_rad > 0 && camera.yfov_rad < pi) || !(camera.ymag_m > 0) ||
+        !(camera.near_m >= 0 && camera.near_m < camera.far_m))
       return "camera";
   for (const PunctualLight& light : scene.lights)
     if (const std::string fault = std::visit(CheckLight{}, light); !fault.empty()) return "light: " + fault;

@@ -46,6 +46,44 @@ TEST(BakeGrid, GridsArePlacedByHand) {
   EXPECT_NE(probe.err.find("nearest vertices"), std::string::npos) << probe.err;
 }
 
+// Past the closed room, where none of its light comes: said in the result, on the terminal, in the file and where it is
+// read, and with an error that is not 0.
+TEST(BakeGrid, SaysWhereNoLightCame) {
+  const auto folder = scratch_folder("unlit");
+  const std::string bake = "bake grid " + scene + " --bounds 100,100,100:101,101,101 --resolution 2 --photons 20k -o ";
+  const Outcome outcome = ivory(folder, bake + "x.vdb --json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const std::string words = "nothing of the light reaches the grid";
+  const Json result = Json::parse(outcome.out);
+  ASSERT_EQ(result["warnings"].size(), 1);
+  EXPECT_NE(result["warnings"][0].get<std::string>().find(words), std::string::npos);
+  EXPECT_EQ(result["photons_a_vertex"]["none_share"], 1);
+  EXPECT_NE(outcome.err.find(words), std::string::npos);
+  const Json info = Json::parse(ivory(folder, "info x.vdb --json").out);
+  EXPECT_NE(info["few_photons"].get<std::string>().find(words), std::string::npos);
+  write_file(folder / "p.csv", "x,y,z,nx,ny,nz\n100.5,100.5,100.5,0,1,0\n");
+  const Outcome probe = ivory(folder, "probe x.vdb --points p.csv -o e.csv --json");
+  ASSERT_EQ(probe.exit_code, 0) << probe.err;
+  EXPECT_EQ(Json::parse(probe.out)["unmet"], 1);
+  EXPECT_NE(probe.err.find("no photon came"), std::string::npos) << probe.err;
+  const std::string row = read_file(folder / "e.csv");
+  // 3 P / (0.25 N) for cells with faces of a quarter of a square metre, and eight of them, half and half along x and z
+  // and, a quarter voxel up, 1/4 and 3/4 along y: sqrt(1/2 1/2 5/8).
+  const Json loaded = Json::parse(ivory(folder, "info " + scene + " --json").out);
+  double power_lm = 0;
+  for (const Json& channel : loaded["power_lm"]) power_lm += channel.get<double>();
+  EXPECT_NEAR(std::stod(row.substr(row.rfind(',') + 1)), 3 * power_lm / (0.25 * 20'000) * std::sqrt(0.15625),
+              0.05 * power_lm / 20'000);
+  // A part says so of itself.
+  EXPECT_NE(ivory(folder, bake + "a.vdb --photon-range 0:5k").err.find(words), std::string::npos);
+  // And a path that meets no light knows nothing of its error.
+  write_file(folder / "q.csv", "x,y,z,nx,ny,nz\n100.5,100.5,100.5,0,1,0\n");
+  const Outcome paths = ivory(folder, "probe " + scene + " --points q.csv -o q_e.csv --samples 16 --json");
+  ASSERT_EQ(paths.exit_code, 0) << paths.err;
+  EXPECT_EQ(Json::parse(paths.out)["unmet"], 1);
+  EXPECT_NE(read_file(folder / "q_e.csv").find(",0,0,0,,,\n"), std::string::npos) << read_file(folder / "q_e.csv");
+}
+
 class BakeBytes : public testing::TestWithParam<std::string> {};
 
 TEST_P(BakeBytes, SameAtAnyThreadCountAndFromParts) {

@@ -152,6 +152,43 @@ TEST(Cli, OverwritesOnlyWithForce) {
   EXPECT_EQ(names_in(folder), std::vector<std::string>{"x.vdb"});
 }
 
+TEST(Cli, OutputsThatAreNoFiles) {
+  const auto folder = scratch_folder("no_files");
+  write_file(folder / "p.csv", "x,y,z,nx,ny,nz\n0,1,0,0,1,0\n");
+  const std::string probe = "probe " + scene + " --points p.csv --samples 2 --force -o ";
+  expect_refused(folder, probe + "-", 2, "standard output");
+  // What /dev/stdout is here: a pipe.
+  expect_refused(folder, probe + "/dev/stdout", 1, "/dev/stdout: is a device or a pipe");
+  EXPECT_EQ(names_in(folder), std::vector<std::string>{"p.csv"});
+  // As long as names may be.
+  const std::string name = std::string(245, 'x') + ".csv";
+  EXPECT_EQ(ivory(folder, probe + name).exit_code, 0);
+  EXPECT_TRUE(fs::exists(folder / name));
+}
+
+// Closed, or on a full disk: the exit code stays right, and nothing that is printed gets into a file.
+TEST(Cli, StreamsThatCannotBeWritten) {
+  const auto folder = scratch_folder("streams");
+  ASSERT_EQ(ivory(folder, small_bake + "-o whole.vdb").exit_code, 0);
+  const std::string whole = read_file(folder / "whole.vdb");
+  const auto run = [&](const std::string& arguments) {
+    return std::system(("cd '" + folder.string() + "' && '" + ivory_binary + "' " + arguments).c_str()) / 256;
+  };
+  const std::string bake = "bake grid " + scene + " --resolution 8 --photons 20k -f -o x.vdb ";
+  for (const auto& [streams, exit_code] : std::vector<std::pair<std::string, int>>{{"--json >&- 2>&-", 1},
+                                                                                   {"--json >/dev/full 2>/dev/full", 1},
+                                                                                   {"-q <&- >&- 2>&-", 0},
+                                                                                   {"-q 2>/dev/full", 0}}) {
+    EXPECT_EQ(run(bake + streams), exit_code) << streams;
+    EXPECT_EQ(read_file(folder / "x.vdb"), whole) << streams;
+  }
+  EXPECT_EQ(run("info missing.vdb 2>&-"), 1);
+  EXPECT_EQ(run("info missing.vdb 2>/dev/full"), 1);
+  EXPECT_EQ(run("--help >/dev/full 2>/dev/null"), 1);
+  EXPECT_EQ(run("info whole.vdb >/dev/full 2>message"), 1);
+  EXPECT_TRUE(read_file(folder / "message").starts_with("ivory: standard output: cannot be written (No space left"));
+}
+
 TEST(Cli, QuietSaysNothing) {
   const auto folder = scratch_folder("quiet");
   const Outcome outcome = ivory(folder, small_bake + "-o x.vdb");

@@ -50,6 +50,22 @@ TEST(Probe, KeepsColumnsAndNormalisesNormals) {
             "rays");
 }
 
+// A point inside, and one on the roof, which no vertex sees.
+TEST(Probe, SaysWhatNoVertexSees) {
+  const auto folder = scratch_folder("probe_unseen");
+  ASSERT_EQ(ivory(folder, small_bake + "-o x.vdb").exit_code, 0);
+  write_file(folder / "p.csv", points_header + "-2,0,1.5,0,1,0\n-2,3.02,1.5,0,1,0\n");
+  for (const std::string& guard : {std::string(), " --scene " + scene}) {
+    const Outcome outcome = ivory(folder, "probe x.vdb --points p.csv -o out.csv --force --json" + guard);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(Json::parse(outcome.out)["unseen"], 1) << guard;
+    EXPECT_NE(outcome.err.find("1 of 2 points are seen by no vertex"), std::string::npos) << outcome.err;
+    const Table table = read_csv(folder / "out.csv");
+    EXPECT_GT(std::stod(table.rows.at(0).at(6)), 0) << guard;
+    EXPECT_EQ(std::stod(table.rows.at(1).at(6)), 0) << guard;
+  }
+}
+
 // The grid and the path tracer answer the same question. Both noises are known, the grid's error
 // from its 8 vertices a side is not: it is held to a fifth of the mean over the points.
 TEST(Probe, OfGridAndSceneAgree) {

@@ -4,6 +4,7 @@
 #include <functional>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include "grid/base/error.h"
 #include "grid/io/vdb/vdb.h"
@@ -58,6 +59,15 @@ TEST(Trial, TellsCrashesFromAnswers) {
   EXPECT_EQ(kind_of([] { return std::raise(SIGSEGV) == 0 ? "" : ""; }), Kind::crashed);
   EXPECT_EQ(kind_of([]() -> std::string { throw std::bad_alloc(); }), Kind::crashed);
   EXPECT_EQ(kind_of([] { return read_bytes("/dev/zero"); }), Kind::crashed);
+
+  // What cannot be tried is not called damaged.
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit none{0, before.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_NOFILE, &none), 0);
+  const Kind without_pipe = kind_of([] { return std::string("never"); });
+  ::setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_EQ(without_pipe, Kind::not_started);
 }
 
 }  // namespace

@@ -9,13 +9,14 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "grid/base/anchor.h"
 #include "grid/base/error.h"
 #include "grid/cubemap/captured.h"
 #include "grid/io/json.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
+#include "tools/input/assumptions.h"
 #include "tools/input/grid.h"
-#include "tools/input/objects.h"
 #include "tools/input/scene.h"
 #include "tracer/bake/cubemap/capture.h"
 
@@ -26,10 +27,10 @@ namespace {
 struct BakeCubemapOptions {
   std::string scene;
   std::string output;
+  SceneOptions load;
   EnvironmentChoice environment;
   ShellFit shell = ShellFit::fitted;
-  std::vector<std::string> without;
-  V3f at{0, 0, 0};
+  V3d at{0, 0, 0};
   int size = 4;
   int capture = CaptureParams{}.size;
   int samples = CaptureParams{}.samples;
@@ -55,9 +56,10 @@ std::vector<std::string> judge(const BakeCubemapOptions& options, const Capture&
         fmt::format("{:.0f} % of what is seen from {} are backs of single-sided surfaces: it may lie inside a wall",
                     100 * capture.back_share, at));
   } else if (dark) {
-    warnings.push_back("no light arrives at " + at);
+    warnings.push_back("no light arrives at " + at + ": the cube map is black");
   }
-  if (!bounds(scene).intersects(options.at)) warnings.push_back(at + " lies outside of the scene's bounds");
+  if (!bounds(scene).intersects(to_local(options.at, scene.anchor_m)))
+    warnings.push_back(at + " lies outside of the scene's bounds");
   return warnings;
 }
 
@@ -65,9 +67,7 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& co
   if (options.capture % options.size != 0)
     throw UsageError(fmt::format("--size {} does not divide --capture {}", options.size, options.capture));
   check_output(options.output, ".exr", common);
-  const auto input = load_scene_input(options.scene, options.environment, common, [&](Scene& scene) {
-    for (const std::string& node : options.without) remove_node(scene, node);
-  });
+  const auto input = load_scene_input(options.scene, options.load, options.environment, common);
   if (input.lit.lights.empty())
     throw Error(options.scene, "nothing emits light", "add a light or an emissive material, or give --env");
 
@@ -88,10 +88,10 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& co
     Progress progress(common, "capturing", "samples");
     const std::uint64_t total = std::uint64_t(6) * options.capture * options.capture * options.samples;
     params.progress = [&](double fraction) { progress.update(std::uint64_t(fraction * double(total)), total); };
-    return capture_cube(input.lit, options.at, params);
+    return capture_cube(input.lit, to_local(options.at, input.lit.scene->anchor_m), params);
   }();
   const std::vector<std::string> warnings = judge(options, capture, *input.lit.scene);
-  for (const std::string& warning : warnings) print_note(common, "warning: " + warning);
+  print_warnings(common, warnings);
   LocalizedCube cube = localize(capture.cube, options.size, options.shell);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
@@ -105,7 +105,7 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& co
   m["seed"] = std::int64_t(options.seed);
   m["shell"] = std::string(name_of(options.shell));
   m["units"] = std::string("nits, 1/m");
-  if (!options.without.empty()) m["without"] = fmt::format("{}", fmt::join(options.without, ", "));
+  keep_assumptions(m, warnings);
   write_localized_cube(options.output, cube, common.force);
 
   double nearest = 0;
@@ -120,7 +120,7 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& co
   }
   nlohmann::ordered_json result;
   result["output"] = options.output;
-  result["position_m"] = {shortest(options.at.x), shortest(options.at.y), shortest(options.at.z)};
+  result["position_m"] = {options.at.x, options.at.y, options.at.z};
   result["size"] = options.size;
   result.update(to_json(cube.metadata));
   result["mean_radiance_nits"] = {mean.x, mean.y, mean.z};
@@ -158,11 +158,7 @@ void add_bake_cubemap_command(Command bake, CommonOptions& common) {
   command.add_count("--samples", options->samples, 1, 1'000'000, "Paths a captured texel");
   command.add_count("--seed", options->seed, "Seed of the random numbers");
   add_environment_options(command, options->environment);
-  command
-      .add_option("--without", options->without,
-                  "A node of the scene to leave out, with all below it: an object\nthat will move; may be repeated")
-      .repeated()
-      .type_name("NODE");
+  add_scene_options(command, options->load);
   options->grid = add_grid_options(command, "Baked grid that indirect light is read from [path traced]");
   command.add_choice("--shell", options->shell,
                      "How corners of texels are placed: by least squares over all distances, at the distance\n"

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "grid/field/evidence.h"
 #include "grid/field/resolve.h"
 #include "grid/io/json.h"
 #include "grid/io/vdb/vdb.h"
@@ -37,6 +38,18 @@ std::int64_t bytes_read(const GridAccumulator& accumulator) {
          std::int64_t(sizeof(float)) + (accumulator.guard.empty() ? 0 : std::int64_t(sizeof(GuardRecord)));
 }
 
+double share(std::size_t part, std::size_t whole) { return whole == 0 ? 0 : double(part) / double(whole); }
+
+// Of what photons left too little; empty where there is enough.
+std::string few_photons_text(const Evidence& found) {
+  if (found.vertices > 0 && found.unmet == found.vertices)
+    return "nothing of the light reaches the grid: no photon came to any of its vertices, and all of it is 0";
+  const std::size_t met = found.vertices - found.unmet;
+  if (4 * found.few <= met) return {};
+  return fmt::format("{:.0f} % of the vertices that light reaches rest on fewer than {:.0f} photons",
+                     100 * share(found.few, met), few_photons);
+}
+
 }  // namespace
 
 bool is_whole(const GridAccumulator& accumulator) {
@@ -45,8 +58,11 @@ bool is_whole(const GridAccumulator& accumulator) {
 
 Json write_result(const std::string& path, const GridAccumulator& accumulator, bool finished,
                   const CommonOptions& common) {
+  const Evidence found = evidence(accumulator);
+  const std::string doubt = few_photons_text(found);
   if (finished) {
     IrradianceGrid grid = resolve(accumulator);
+    if (!doubt.empty()) grid.metadata["few_photons"] = doubt;
     grid.metadata["photon_begin"] = std::int64_t(accumulator.photon_begin);
     grid.metadata["photon_end"] = std::int64_t(accumulator.photon_end);
     for (const auto& [key, value] : accumulator.counters) grid.metadata[key] = value;
@@ -62,7 +78,7 @@ Json write_result(const std::string& path, const GridAccumulator& accumulator, b
               {"bytes", std::filesystem::file_size(path)},
               {"resolution", {frame.size.x, frame.size.y, frame.size.z}},
               {"spacing_m", {shortest(frame.spacing_m.x), shortest(frame.spacing_m.y), shortest(frame.spacing_m.z)}},
-              {"origin_m", {shortest(frame.origin_m.x), shortest(frame.origin_m.y), shortest(frame.origin_m.z)}},
+              {"origin_m", shortest(frame.origin_m, accumulator.anchor_m)},
               {"vertices", frame.vertex_count()},
               {"vertices_stored", stored},
               {"memory_bytes", stored * bytes_read(accumulator)},
@@ -72,6 +88,18 @@ Json write_result(const std::string& path, const GridAccumulator& accumulator, b
   Metadata parameters = accumulator.metadata;
   parameters["light"] = std::string(name_of(accumulator.light));
   result["parameters"] = to_json(parameters);
+  result["photons_a_vertex"] = {{"median", found.median},
+                                {"few_share", share(found.few, found.vertices)},
+                                {"none_share", share(found.unmet, found.vertices)}};
+  result["warnings"] = Json::array();
+  if (!doubt.empty()) {
+    const char* remedy =
+        found.unmet == found.vertices
+            ? "look where --bounds and the lights lie, whether anything reflects, and give more --photons"
+            : "give more --photons, or larger voxels";
+    result["warnings"].push_back(fmt::format("{}: {} ({})", path, doubt, remedy));
+    print_note(common, "warning: " + result["warnings"].back().get<std::string>());
+  }
   return result;
 }
 
@@ -94,6 +122,11 @@ std::string result_text(const Json& result) {
     text += fmt::format("; of their power {:.2f} % absorbed, {:.2f} % escaped, {:.2g} % cut off by --bounces",
                         100 * energy["absorbed"].get<double>(), 100 * energy["escaped"].get<double>(),
                         100 * energy["terminated"].get<double>());
+  }
+  if (const auto& met = result["photons_a_vertex"]; met["none_share"].get<double>() < 1) {
+    text += fmt::format("\nabout {:.3g} photons came to a vertex (median)", met["median"].get<double>());
+    if (const auto none = met["none_share"].get<double>(); none > 0)
+      text += fmt::format(", none to {:.2g} % of them", 100 * none);
   }
   return text + "\n";
 }

@@ -14,7 +14,8 @@ namespace ivory {
 bool is_whole(const GridAccumulator& accumulator);
 
 // Writes the finished grid, or, unless `finished`, the sums themselves, and describes what was
-// written. Equal sums give equal files.
+// written; "warnings" says where too few photons came, which it also prints as notes and, in a finished grid, leaves in
+// the metadata as few_photons. Equal sums give equal files.
 nlohmann::ordered_json write_result(const std::string& path, const GridAccumulator& accumulator, bool finished,
                                     const CommonOptions& common);
 

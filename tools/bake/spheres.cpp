@@ -11,9 +11,9 @@
 #include "grid/io/sphere_set.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
+#include "tools/input/assumptions.h"
 #include "tools/input/scene.h"
 #include "tracer/bake/spheres/fit.h"
-#include "tracer/gltf/loader.h"
 
 namespace ivory {
 
@@ -22,6 +22,7 @@ namespace {
 struct BakeSpheresOptions {
   std::string mesh;
   std::string output;
+  SceneOptions load;
   int count = 64;
   int resolution = 0;
 };
@@ -29,8 +30,8 @@ struct BakeSpheresOptions {
 void run(const BakeSpheresOptions& options, const CommonOptions& common) {
   check_output(options.output, ".json", common);
   if (!is_scene_name(options.mesh)) throw Error(options.mesh, "is no .gltf or .glb file", "convert the mesh");
-  const LoadedScene loaded = load_gltf(options.mesh);
-  for (const std::string& warning : loaded.warnings) print_note(common, "warning: " + warning);
+  const LoadedScene loaded = load_scene(options.mesh, options.load.load);
+  print_warnings(common, loaded.warnings);
 
   SphereFitParams params;
   params.count = options.count;
@@ -47,6 +48,8 @@ void run(const BakeSpheresOptions& options, const CommonOptions& common) {
   m["method"] = std::string("least symmetric difference, variational");
   m["mesh"] = std::filesystem::path(options.mesh).filename().string();
   m["mesh_hash"] = loaded.scene.content_hash;
+  describe(options.load, m);
+  keep_assumptions(m, loaded.warnings);
   m["count"] = std::int64_t(fit.set.spheres.size());
   m["asked_for"] = std::int64_t(options.count);
   m["solid"] = std::string(fit.solid ? "yes" : "no");
@@ -90,6 +93,7 @@ void add_bake_spheres_command(Command bake, CommonOptions& common) {
   command.add_count("--count", options->count, 1, 4096, "Spheres, 4096 at most");
   command.add_option("--resolution", options->resolution, "Voxels along the longest side [48 to 160 by --count]")
       .within(16, 192);
+  add_scene_options(command, options->load);
   command.footer(
       "The volume that the spheres add and the volume that they leave out are made as small as can be, in sum.\n"
       "\nExample:\n"

@@ -11,14 +11,15 @@
 #include "tools/bench/measure_tracer.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
+#include "tools/input/scene.h"
 #include "tracer/bake/field/baker.h"
-#include "tracer/gltf/loader.h"
 
 namespace ivory {
 namespace {
 
 struct BenchOptions {
   std::vector<std::string> scenes;
+  SceneOptions load;
   std::string resolution = "32,32,32";
   std::uint64_t photons = 400'000;
   int rounds = 5;
@@ -66,7 +67,7 @@ void run(const BenchOptions& options, const CommonOptions& common) {
   params.threads = thread_count(common);
 
   std::vector<Scene> scenes;
-  for (const std::string& path : options.scenes) scenes.push_back(load_gltf(path).scene);
+  for (const std::string& path : options.scenes) scenes.push_back(load_scene(path, options.load.load).scene);
   scenes.push_back(make_bench_scene(options.triangles));
 
   nlohmann::ordered_json results = nlohmann::ordered_json::array();
@@ -82,13 +83,14 @@ void run(const BenchOptions& options, const CommonOptions& common) {
 
 struct LookupBenchOptions {
   std::string scene;
+  SceneOptions load;
   std::string resolution = "32,32,32";
   std::uint64_t photons = 1'000'000;
   bool tricubic = false;
 };
 
 void run_lookup(const LookupBenchOptions& options, const CommonOptions& common) {
-  const LitScene lit = make_lit_scene(load_gltf(options.scene).scene);
+  const LitScene lit = make_lit_scene(load_scene(options.scene, options.load.load).scene);
   GridBakeParams bake;
   bake.resolution = parse_size3("--resolution", options.resolution, 2);
   bake.photons = options.photons;
@@ -117,6 +119,7 @@ void add_lookup_bench(Command bench, CommonOptions& common) {
   command.add_option("SCENE", options->scene, "glTF file to bake and look up").required();
   command.add_option("--resolution", options->resolution, "Grid vertices");
   command.add_count("--photons", options->photons, "Photons of the bake");
+  add_scene_options(command, options->load);
   command.add_flag("--tricubic", options->tricubic, "Tricubic instead of trilinear");
   command.footer("Example:\n  ivory bench lookup scenes/cornell_box.gltf");
   set_action(command, common, Output::none, [options, &common] { run_lookup(*options, common); });
@@ -137,6 +140,7 @@ void add_bench_command(Command app, CommonOptions& common) {
   tracer.add_count("--photons", options->photons, "Photons a measurement");
   tracer.add_count("--rounds", options->rounds, 1, 1000, "Measurements in turn; medians are reported");
   tracer.add_count("--triangles", options->triangles, "Triangles of the built-in mesh");
+  add_scene_options(tracer, options->load);
   tracer.footer("Example:\n  ivory bench tracer scenes/cornell_box.gltf --json");
   set_action(tracer, common, Output::none, [options, &common] { run(*options, common); });
   add_lookup_bench(bench, common);

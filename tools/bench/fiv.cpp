@@ -13,8 +13,8 @@
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/environment.h"
+#include "tools/input/scene.h"
 #include "tools/stability/measure_fiv.h"
-#include "tracer/gltf/loader.h"
 
 namespace ivory {
 
@@ -24,6 +24,7 @@ using Json = nlohmann::ordered_json;
 
 struct BenchFivOptions {
   std::string mesh;
+  SceneOptions load;
   EnvironmentChoice environment;
   std::string light;
   std::string samples = "64,33,30";
@@ -89,7 +90,7 @@ void run(const BenchFivOptions& options, const CommonOptions& common) {
   FivParams params;
   params.samples = parse_size3("--samples", options.samples, 3);
   params.hemispheres = 6;
-  const FivOccluder occluder = make_fiv_occluder(load_gltf(options.mesh).scene);
+  const FivOccluder occluder = make_fiv_occluder(load_scene(options.mesh, options.load.load).scene);
   const CubeMap light = make_light(options, common);
   Progress progress(common, "measuring", "steps");
   Json result{{"mesh", options.mesh}, {"samples", {params.samples.x, params.samples.y, params.samples.z}}};
@@ -156,6 +157,7 @@ void add_bench_fiv_command(Command bench, CommonOptions& common) {
   auto options = std::make_shared<BenchFivOptions>();
   command.add_option("MESH", options->mesh, "glTF file of the occluder").required();
   add_environment_options(command, options->environment);
+  add_scene_options(command, options->load);
   command.add_option("--light", options->light, "Instead of --env: one light of one texel, or two coloured discs")
       .one_of({"one", "two"});
   command.add_option("--samples", options->samples, "Of the table").type_name("NA,NP,ND");

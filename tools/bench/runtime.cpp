@@ -23,8 +23,8 @@
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/environment.h"
+#include "tools/input/scene.h"
 #include "tracer/bake/fiv/baker.h"
-#include "tracer/gltf/loader.h"
 
 namespace ivory {
 
@@ -224,13 +224,14 @@ Json load_times(const RuntimeBenchAssets& assets, std::string& text) {
 
 struct BenchRuntimeOptions {
   std::string mesh;
+  SceneOptions load;
   EnvironmentChoice environment;
   int rounds = 7;
   int grid_side = 64;
 };
 
 void run(const BenchRuntimeOptions& options, const CommonOptions& common) {
-  const Scene object = load_gltf(options.mesh).scene;
+  const Scene object = load_scene(options.mesh, options.load.load).scene;
   EnvironmentInput input = load_environment_input(options.environment);
   print_warnings(common, input.warnings);
   const EnvironmentMap environment = to_latlong(std::move(input.image));
@@ -311,6 +312,7 @@ void add_bench_runtime_command(Command bench, CommonOptions& common) {
   auto options = std::make_shared<BenchRuntimeOptions>();
   command.add_option("MESH", options->mesh, "glTF file of the object that the assets are baked of").required();
   add_environment_options(command, options->environment);
+  add_scene_options(command, options->load);
   command.get_option("--env").required();
   command.add_option("--rounds", options->rounds, "Frames of each; medians are reported").within(1, 1000);
   command.add_option("--grid", options->grid_side, "Vertices of the grid along each axis").within(2, 128);

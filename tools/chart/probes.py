@@ -7,9 +7,9 @@ from writer.files import write_file
 
 
 def rows(path):
-    """[(E rgb, standard error rgb)]"""
+    """[(E rgb, standard error rgb)]; errors that are not known, where no light was met, are taken for 0."""
     with open(path, newline="", encoding="ascii") as file:
-        return [([float(r[c]) for c in "rgb"], [float(r[c + "_se"]) for c in "rgb"]) for r in csv.DictReader(file)]
+        return [([float(r[c]) for c in "rgb"], [float(r[c + "_se"] or 0) for c in "rgb"]) for r in csv.DictReader(file)]
 
 
 def errors(estimates, truths, by_mean=False):

@@ -1,7 +1,6 @@
 #include "tools/cli/common.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -12,6 +11,7 @@
 #include "grid/base/error.h"
 #include "grid/base/memory.h"
 #include "grid/io/file.h"
+#include "tools/cli/streams.h"
 
 namespace ivory {
 
@@ -38,6 +38,8 @@ void set_action(Command command, CommonOptions& common, Output output, std::func
 }
 
 void check_output(const std::string& path, const CommonOptions& common) {
+  if (path == "-")
+    throw UsageError("--output: '-' is no file name, and nothing is written to standard output; ./- names such a file");
   std::error_code unreadable;  // then the probe says why
   if (!common.force && std::filesystem::is_regular_file(path, unreadable))
     throw Error(path, "already exists", "give --force to overwrite it");
@@ -51,17 +53,14 @@ void check_output(const std::string& path, std::string_view extension, const Com
 }
 
 void print_result(const CommonOptions& common, const nlohmann::ordered_json& object, const std::string& human) {
-  if (common.json) {
-    // Names in files need not be UTF-8; a replacement character beats a crash.
-    fmt::print("{}\n", object.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
-  } else if (!common.quiet) {
-    fmt::print("{}", human);
-  }
-  if (std::fflush(stdout) != 0) throw Error("standard output", "cannot be written", "check the disk or the pipe");
+  std::string text = common.quiet ? "" : human;
+  // Names in files need not be UTF-8; a replacement character beats a crash.
+  if (common.json) text = object.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  print_stdout(text);
 }
 
 void print_note(const CommonOptions& common, const std::string& line) {
-  if (!common.quiet) fmt::print(stderr, "{}\n", line);
+  if (!common.quiet) print_stderr(line + "\n");
 }
 
 void print_warnings(const CommonOptions& common, const std::vector<std::string>& warnings) {
@@ -72,7 +71,7 @@ Progress::Progress(const CommonOptions& common, std::string label, std::string u
     : label_(std::move(label)), unit_(std::move(unit)), visible_(!common.quiet && ::isatty(STDERR_FILENO) == 1) {}
 
 Progress::~Progress() {
-  if (drawn_) fmt::print(stderr, "\r\033[K");
+  if (drawn_) print_stderr("\r\033[K");
 }
 
 void Progress::update(std::uint64_t done, std::uint64_t total) {
@@ -94,14 +93,13 @@ void Progress::update(std::uint64_t done, std::uint64_t total) {
     line +=
         fmt::format(", {}/s, {} left", format_count(rate), format_duration(static_cast<double>(total - done) / rate));
   }
-  fmt::print(stderr, "{}\033[K", line);
-  std::fflush(stderr);
+  print_stderr(line + "\033[K");
 }
 
 void Progress::note(const std::string& line) {
   if (!visible_) return;
   const std::scoped_lock lock(mutex_);
-  fmt::print(stderr, "{}{}\n", drawn_ ? "\r\033[K" : "", line);
+  print_stderr((drawn_ ? "\r\033[K" : "") + line + "\n");
 }
 
 std::function<void(std::uint64_t, std::uint64_t)> Progress::callback() {

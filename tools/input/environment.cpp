@@ -3,10 +3,9 @@
 #include <filesystem>
 #include <utility>
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
+#include "grid/base/error.h"
 #include "grid/io/file.h"
+#include "tools/input/assumptions.h"
 
 namespace ivory {
 
@@ -38,17 +37,16 @@ void add_environment_options(Command command, EnvironmentChoice& choice, const s
 EnvironmentInput load_environment_input(const EnvironmentChoice& choice) {
   std::optional<EnvironmentLayout> layout;
   if (!choice.layout.empty()) layout = from_name<EnvironmentLayout>(choice.layout);
+  const std::string hash = file_hash(choice.path);
   LoadedEnvironment loaded = load_environment_image(choice.path, layout);
+  // The hash is to be that of the image.
+  if (file_hash(choice.path) != hash)
+    throw Error(choice.path, "changed while it was read", "try again when it is written");
   EnvironmentInput input{std::move(loaded.image), std::move(loaded.facts), std::move(loaded.warnings)};
-  const std::string name = std::filesystem::path(choice.path).filename().string();
-  input.origin["environment"] = name;
-  input.origin["environment_hash"] = file_hash(choice.path);
+  input.origin["environment"] = std::filesystem::path(choice.path).filename().string();
+  input.origin["environment_hash"] = hash;
   input.origin["environment_layout"] = std::string(name_of(input.image.layout));
-  // Where the map lies is nobody's business: the same bake gives the same bytes in any folder.
-  std::vector<std::string> assumptions;
-  for (const std::string& warning : input.warnings)
-    assumptions.push_back(name + warning.substr(warning.starts_with(choice.path) ? choice.path.size() : 0));
-  if (!assumptions.empty()) input.origin["assumptions"] = fmt::format("{}", fmt::join(assumptions, "; "));
+  keep_assumptions(input.origin, input.warnings);
   return input;
 }
 

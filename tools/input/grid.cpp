@@ -45,10 +45,12 @@ IrradianceGrid load_grid(const GridInputOptions& options, const SceneInput& inpu
     throw Error(options.grid, "holds direct light, which rendering would count twice", "bake it without --direct");
   check_lookup(options.grid, grid.basis, !grid.guard.empty(), options.lookup);
   check_environment(options.grid, grid.metadata, input);
+  check_scale(options.grid, grid.metadata, input.origin);
   if (const auto hash = find_text(grid.metadata, "scene_hash"); hash && *hash != input.lit.scene->content_hash) {
     print_note(common, fmt::format("note: {} was baked from another scene ({})", options.grid,
                                    find_text(grid.metadata, "scene").value_or("")));
   }
+  set_anchor(grid, input.lit.scene->anchor_m);
   return grid;
 }
 

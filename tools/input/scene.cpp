@@ -2,11 +2,22 @@
 
 #include <filesystem>
 
+#include <fmt/format.h>
+
+#include "grid/base/anchor.h"
 #include "grid/base/error.h"
 #include "grid/io/file.h"
-#include "tracer/gltf/loader.h"
+#include "tools/input/assumptions.h"
+#include "tools/input/units_hint.h"
+#include "tracer/lights/sphere.h"
 
 namespace ivory {
+
+namespace {
+
+const std::string scale_key = "scene_scale";  // of assets' metadata; none stands for 1
+
+}  // namespace
 
 bool is_scene_name(const std::string& path) {
   const std::string extension = lower_extension(path);
@@ -27,12 +38,83 @@ void check_environment(const std::string& path, const Metadata& metadata, const 
   throw Error(path, "was baked for an environment (" + known + ")", "give that by --env, or bake it without");
 }
 
-SceneInput load_scene_input(const std::string& path, const EnvironmentChoice& environment, const CommonOptions& common,
-                            const std::function<void(Scene&)>& extend) {
-  LoadedScene loaded = load_gltf(path);
+void check_scale(const std::string& path, const Metadata& metadata, const Metadata& scene) {
+  const auto same = [&](const char* key) {
+    const auto baked = find_text(metadata, key);
+    return baked && baked == find_text(scene, key);
+  };
+  if (!same("scene") && !same("scene_hash")) return;
+  const double baked = find_number(metadata, scale_key).value_or(1);
+  const double taken = find_number(scene, scale_key).value_or(1);
+  if (baked == taken) return;
+  throw Error(path, fmt::format("was baked with --scale {} and the scene is taken with --scale {}", baked, taken),
+              fmt::format("give --scale {}, or bake it again", baked));
+}
+
+std::vector<std::string> add_scene_options(Command command, SceneOptions& options, const std::string& group) {
+  Option scale =
+      command
+          .add_option("--scale", options.load.scale,
+                      "Metres a unit of glTF files, for models that are not in metres: 0.01 for centimetres.\n"
+                      "Light keeps its units, and positions given here are metres")
+          .within(1e-6, 1e6)
+          .type_name("FACTOR");
+  Option time = command
+                    .add_option(
+                        "--time",
+                        [&options](const std::string& text) {
+                          options.load.time_s = parse_number(text);
+                          if (!options.load.time_s) throw UsageError("--time takes seconds, not '" + text + "'");
+                        },
+                        "Poses the scene as its animation has it then, skins and morphs too [as it is stored]")
+                    .type_name("SECONDS");
+  Option animation = command
+                         .add_option("--animation", options.load.animation,
+                                     "The animation that --time is of, by name or index [the first]")
+                         .needs(time)
+                         .type_name("NAME|INDEX");
+  Option without = command
+                       .add_option("--without", options.load.without,
+                                   "A node of the scene to leave out, by name or index, with all below it: an object\n"
+                                   "that will move; may be repeated")
+                       .repeated()
+                       .type_name("NODE");
+  if (!group.empty()) {
+    for (Option* option : {&scale, &time, &animation, &without}) option->group(group);
+  }
+  return {"--scale", "--time", "--animation", "--without"};
+}
+
+LoadParams object_params(const SceneOptions& options) {
+  LoadParams params = options.load;
+  params.time_s.reset();
+  params.animation.clear();
+  params.without.clear();
+  return params;
+}
+
+LoadedScene load_scene(const std::string& path, const LoadParams& params) {
+  LoadedScene loaded = load_gltf(path, params);
+  if (params.scale == 1) {
+    if (const auto hint = units_hint(loaded)) loaded.warnings.push_back(*hint);
+  }
+  return loaded;
+}
+
+void describe(const SceneOptions& options, Metadata& metadata) {
+  if (options.load.scale != 1) metadata[scale_key] = options.load.scale;
+  if (options.load.time_s) metadata["time_s"] = *options.load.time_s;
+  if (!options.load.animation.empty()) metadata["animation"] = options.load.animation;
+  if (!options.load.without.empty()) metadata["without"] = fmt::format("{}", fmt::join(options.load.without, ", "));
+}
+
+SceneInput load_scene_input(const std::string& path, const SceneOptions& options, const EnvironmentChoice& environment,
+                            const CommonOptions& common, const std::function<void(Scene&)>& extend) {
+  LoadedScene loaded = load_scene(path, options.load);
   Metadata origin;
   origin["scene"] = std::filesystem::path(path).filename().string();
   origin["scene_hash"] = loaded.scene.content_hash;
+  describe(options, origin);
   if (!environment.path.empty()) {
     EnvironmentInput map = load_environment_input(environment);
     loaded.scene.environment = to_latlong(std::move(map.image));
@@ -40,13 +122,19 @@ SceneInput load_scene_input(const std::string& path, const EnvironmentChoice& en
     loaded.warnings.insert(loaded.warnings.end(), map.warnings.begin(), map.warnings.end());
   }
   if (extend) extend(loaded.scene);
-  for (const std::string& warning : loaded.warnings) print_note(common, "warning: " + warning);
+  print_warnings(common, loaded.warnings);
+  keep_assumptions(origin, loaded.warnings);
   return {make_lit_scene(std::move(loaded.scene)), std::move(loaded.warnings), std::move(origin)};
 }
 
-SphereLight parse_sphere_light(std::string_view option, std::string_view text) {
-  const std::vector<float> v = parse_floats(option, text, 7, "X,Y,Z,RADIUS,R,G,B");
-  return {V3f(v[0], v[1], v[2]), v[3], Rgb(v[4], v[5], v[6])};
+SphereLightOption parse_sphere_light(std::string_view option, std::string_view text) {
+  const std::vector<double> v = parse_numbers(option, text, 7, "X,Y,Z,RADIUS,R,G,B");
+  return {V3d(v[0], v[1], v[2]), float(v[3]), Rgb(float(v[4]), float(v[5]), float(v[6]))};
+}
+
+void add_sphere_light(Scene& scene, const SphereLightOption& light, const std::string& source) {
+  add_sphere_light(scene, SphereLight{to_local(light.center_m, scene.anchor_m), light.radius_m, light.radiance_nits},
+                   source);
 }
 
 }  // namespace ivory

@@ -11,13 +11,35 @@
 #include "tools/cli/common.h"
 #include "tools/input/environment.h"
 #include "tracer/core/lit_scene.h"
+#include "tracer/gltf/loader.h"
 
 namespace ivory {
+
+// How scenes and objects are read from their files: the options of every command that takes any.
+struct SceneOptions {
+  LoadParams load;
+};
+
+// --scale, --time, --animation and --without, in the help page's group `group` where that is not empty. Returns the
+// options' names.
+std::vector<std::string> add_scene_options(Command command, SceneOptions& options, const std::string& group = {});
+
+// For files placed beside the scene: in the scene's unit, but as they are stored, and whole.
+LoadParams object_params(const SceneOptions& options);
+
+// load_gltf(), and one more warning where the file looks like another unit than metres and --scale does not say so.
+LoadedScene load_scene(const std::string& path, const LoadParams& params);
+
+// What of the options an asset's metadata keeps: scene_scale, where it is not 1; time_s, animation and without, where
+// they are given.
+void describe(const SceneOptions& options, Metadata& metadata);
 
 struct SceneInput {
   LitScene lit;
   std::vector<std::string> warnings;
-  Metadata origin;  // scene, scene_hash, environment, environment_hash ...: names without folders, hashes of contents
+  // scene, scene_hash, scene_scale (where it is not 1), environment, environment_hash ...: names without folders,
+  // hashes of contents
+  Metadata origin;
 };
 
 // True for the names that load as scenes: .gltf and .glb, in any case.
@@ -27,13 +49,25 @@ bool is_scene_name(const std::string& path);
 // an environment like any other.
 void check_environment(const std::string& path, const Metadata& metadata, const SceneInput& input);
 
+// Throws Error where `path`, an asset with that metadata, was baked from the scene of that metadata (its file by name
+// or content) taken at another --scale.
+void check_scale(const std::string& path, const Metadata& metadata, const Metadata& scene);
+
 // Loads `path` and, unless its path is empty, the environment map, resampled to lat-long where it has another
 // layout; prints the warnings of both as notes. `extend`, unless empty, may add to the scene before the rest is
 // built from it. Throws Error as load_gltf() and load_environment() do.
-SceneInput load_scene_input(const std::string& path, const EnvironmentChoice& environment, const CommonOptions& common,
-                            const std::function<void(Scene&)>& extend = {});
+SceneInput load_scene_input(const std::string& path, const SceneOptions& options, const EnvironmentChoice& environment,
+                            const CommonOptions& common, const std::function<void(Scene&)>& extend = {});
 
+// A spherical light as a user gives it: its place in the world.
+struct SphereLightOption {
+  V3d center_m;
+  float radius_m = 0;
+  Rgb radiance_nits;
+};
 // "X,Y,Z,RADIUS,R,G,B": place and radius in metres, radiance in nits. Throws UsageError naming `option`.
-SphereLight parse_sphere_light(std::string_view option, std::string_view text);
+SphereLightOption parse_sphere_light(std::string_view option, std::string_view text);
+// As add_sphere_light(), whose messages name `source`.
+void add_sphere_light(Scene& scene, const SphereLightOption& light, const std::string& source);
 
 }  // namespace ivory

@@ -64,7 +64,7 @@ bool write_all(int descriptor, const std::string& text) {
 
 TrialOutcome run_trial(std::uint64_t memory_bytes, const std::function<std::string()>& action) {
   std::array<int, 2> ends{};
-  if (::pipe2(ends.data(), O_CLOEXEC) != 0) return {};
+  if (::pipe2(ends.data(), O_CLOEXEC) != 0) return {TrialOutcome::Kind::not_started, {}};
   const pid_t child = ::fork();
   if (child == 0) {
     ::close(ends[0]);
@@ -80,7 +80,7 @@ TrialOutcome run_trial(std::uint64_t memory_bytes, const std::function<std::stri
     outcome.text.append(buffer.data(), std::size_t(count));
   }
   ::close(ends[0]);
-  if (child < 0) return outcome;
+  if (child < 0) return {TrialOutcome::Kind::not_started, {}};
   int status = 0;
   while (::waitpid(child, &status, 0) < 0) {
     if (errno != EINTR) return outcome;

@@ -2,6 +2,8 @@
 #include "tools/input/grid.h"
 
 #include <algorithm>
+#include <atomic>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -9,6 +11,7 @@
 #include <tbb/parallel_for.h>
 
 #include "grid/base/error.h"
+#include "grid/field/evidence.h"
 #include "grid/io/file.h"
 #include "tools/input/scene.h"
 #include "tools/input/vdb.h"
@@ -39,30 +42,43 @@ LookupParams choose_lookup(const std::string& source, const GridOptions& options
 ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& request) {
   const PointsTable& table = request.table;
   const CommonOptions& common = request.common;
-  const IrradianceGrid grid = load_grid_vdb(request.source);
+  if (options.scene.empty() && request.load.load.scale != 1) throw UsageError("--scale serves scenes: give --scene");
+  IrradianceGrid grid = load_grid_vdb(request.source);
   const LookupParams params = choose_lookup(request.source, options, grid);
   if (request.indirect_only && grid.light != StoredLight::indirect)
     throw Error(request.source, "was baked with --direct and cannot be read without", "bake it again without --direct");
 
   std::optional<SceneInput> scene;
   if (!options.scene.empty()) {
-    scene = load_scene_input(options.scene, {}, common);
+    scene = load_scene_input(options.scene, request.load, {}, common);
+    check_scale(request.source, grid.metadata, scene->origin);
     const auto baked = find_text(grid.metadata, "scene_hash");
     if (baked && *baked != scene->lit.scene->content_hash)
       print_note(common, "warning: " + options.scene + " has changed since " + request.source + " was baked");
   }
+  if (scene) set_anchor(grid, scene->lit.scene->anchor_m);
+  const std::vector<V3f> points = local_points(table, grid.anchor_m);
   const Intersector* intersector = scene ? &scene->lit.intersector : nullptr;
 
   ProbeEstimates out;
   out.e.resize(table.p.size());
   out.standard_error.resize(table.p.size());
+  const std::optional<float> unmet_lux = unmet_bound_lux(grid);
+  constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
+  std::atomic<std::int64_t> unmet = 0;
+  std::atomic<std::int64_t> unseen = 0;
   tbb::parallel_for(std::size_t(0), table.p.size(), [&](std::size_t i) {
     const V3f& n = table.n[i];
-    const Footprint footprint = lookup_footprint(grid, intersector, table.p[i], n, params);
+    const Footprint footprint = lookup_footprint(grid, intersector, points[i], n, params);
     out.e[i] = irradiance(grid, footprint, n, params.reconstruction);
-    out.standard_error[i] = irradiance_standard_error(grid, footprint);
+    if (footprint.count == 0)
+      ++unseen;
+    else if (is_black(irradiance_standard_error(grid, footprint)))
+      ++unmet;
+    out.standard_error[i] = irradiance_standard_error(grid, footprint, unmet_lux.value_or(0));
+    if (is_black(out.standard_error[i])) out.standard_error[i] = Rgb(unknown, unknown, unknown);
   });
-  const auto outside = std::count_if(table.p.begin(), table.p.end(), [&](const V3f& p) {
+  const auto outside = std::count_if(points.begin(), points.end(), [&](const V3f& p) {
     const V3f index = grid.frame.to_index(p);
     for (int axis = 0; axis < 3; ++axis) {
       // A vertex' cell reaches half a spacing beyond it.
@@ -75,9 +91,22 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
                                    outside, table.p.size()));
   }
   if (scene) out.warnings = scene->warnings;
-  out.facts = {{"source", std::string("grid")},
+  if (unmet > 0) {
+    print_note(common, fmt::format("warning: no photon came to the vertices around {} of {} points: E is not known to "
+                                   "be 0 there, and r_se, g_se, b_se are {}",
+                                   unmet.load(), table.p.size(), unmet_lux ? "bounds" : "left empty"));
+  }
+  if (unseen > 0) {
+    print_note(common,
+               fmt::format("warning: {} of {} points are seen by no vertex nearby: they read 0, and r_se, g_se, "
+                           "b_se are left empty",
+                           unseen.load(), table.p.size()));
+  }
+  out.facts = {{"unmet", unmet.load()},
+               {"source", std::string("grid")},
                {"guard", std::string(name_of(params.guard))},
-               {"outside", std::int64_t(outside)}};
+               {"outside", std::int64_t(outside)},
+               {"unseen", unseen.load()}};
   return out;
 }
 
@@ -100,6 +129,7 @@ ProbeSource make_grid_source(Command command) {
   ProbeSource source;
   source.name = "grids";
   source.options = {"--scene", "--guard", "--interpolation", "--reconstruction", "--nudge"};
+  source.reads_scenes = true;
   source.matches = [](const std::string& path) { return lower_extension(path) == ".vdb"; };
   source.probe = [options](const ProbeRequest& request) { return probe_grid(*options, request); };
   return source;

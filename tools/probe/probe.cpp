@@ -21,6 +21,7 @@ struct ProbeOptions {
   std::string points;
   std::string output;
   bool indirect_only = false;
+  SceneOptions load;
 };
 
 const ProbeSource& choose_source(const std::string& path, const std::vector<ProbeSource>& sources) {
@@ -44,7 +45,7 @@ void run_probe(const ProbeOptions& options, const std::vector<ProbeSource>& sour
   }
   check_output(options.output, common);
   const PointsTable table = read_points_csv(options.points);
-  const ProbeEstimates estimates = source.probe({options.source, table, options.indirect_only, common});
+  const ProbeEstimates estimates = source.probe({options.source, table, options.indirect_only, options.load, common});
   write_points_csv(options.output, common.force, table, estimates.e, estimates.standard_error);
 
   V3d mean(0, 0, 0);
@@ -77,7 +78,8 @@ void add_probe_command(Command app, CommonOptions& common) {
   command
       .add_option("-o,--output", options->output,
                   "P's columns and r,g,b (lux), r_se,g_se,b_se (standard errors; a grid's are of its\nphotons' noise "
-                  "alone, estimated a quarter too large as a rule)")
+                  "alone, estimated a quarter too large as a rule, and 95 % bounds where no photon\n"
+                  "came; empty where no path of a scene's met light)")
       .required()
       .type_name("OUT.csv");
   command.add_flag("--indirect-only", options->indirect_only, "Leave out light straight from its sources");
@@ -90,6 +92,10 @@ void add_probe_command(Command app, CommonOptions& common) {
   sources->push_back(make_scene_source(command));
   sources->push_back(make_fiv_source(command));
   sources->push_back(make_environment_source());
+  const std::vector<std::string> scene_options = add_scene_options(command, options->load, "For scenes");
+  for (ProbeSource& source : *sources) {
+    if (source.reads_scenes) source.options.insert(source.options.end(), scene_options.begin(), scene_options.end());
+  }
   command.footer(
       "Examples:\n"
       "  ivory probe room.vdb --points p.csv -o grid.csv --scene room.glb\n"

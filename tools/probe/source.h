@@ -9,12 +9,13 @@
 #include "grid/base/metadata.h"
 #include "tools/cli/common.h"
 #include "tools/input/points.h"
+#include "tools/input/scene.h"
 
 namespace ivory {
 
 struct ProbeEstimates {
   std::vector<Rgb> e;                 // lux, one a point
-  std::vector<Rgb> standard_error;    // of e
+  std::vector<Rgb> standard_error;    // of e; not a number where nothing is known of it
   Metadata facts;                     // for the result: what was read and how
   std::vector<std::string> warnings;  // of all that was read, printed already
 };
@@ -23,12 +24,14 @@ struct ProbeRequest {
   std::string source;
   const PointsTable& table;
   bool indirect_only;  // leave out light straight from its sources
+  const SceneOptions& load;
   const CommonOptions& common;
 };
 
 struct ProbeSource {
   std::string name;                                      // plural, for messages: "grids"
   std::vector<std::string> options;                      // that it reads: "--guard"
+  bool reads_scenes = false;                             // does it read those of add_scene_options() too?
   std::function<bool(const std::string& path)> matches;  // by name and, for EXR files, header
   std::function<ProbeEstimates(const ProbeRequest&)> probe;
 };

@@ -32,6 +32,7 @@ Film render(PhotonMapOptions& options, const RenderRequest& request) {
   params.neighbours = options.neighbours;
   params.seed = request.params.seed;
   params.threads = request.params.threads;
+  params.target = target_in_view(request.input.lit.intersector, request.view);
   const PhotonMap map = [&] {
     Progress progress(request.common, "mapping", "photons");
     params.progress = progress.callback();

@@ -21,7 +21,6 @@
 #include "tools/input/scene.h"
 #include "tools/render/method.h"
 #include "tracer/image/file.h"
-#include "tracer/lights/sphere.h"
 
 namespace ivory {
 
@@ -31,9 +30,10 @@ struct RenderOptions {
   std::string scene;
   std::vector<std::string> outputs;  // one picture in several formats
   std::string method = "path";
+  SceneOptions load;
   EnvironmentChoice environment;
   std::string camera;
-  std::vector<SphereLight> sphere_lights;
+  std::vector<SphereLightOption> sphere_lights;
   std::vector<std::string> sphere_light_texts;
   int samples = 64;
   std::uint64_t seed = 1;
@@ -43,14 +43,32 @@ struct RenderOptions {
   bool indirect_only = false;
 };
 
+Camera choose_camera(const RenderOptions& options, const LitScene& lit) {
+  if (!options.camera.empty()) return find_camera(*lit.scene, options.camera);
+  if (!lit.scene->cameras.empty()) return lit.scene->cameras.front();
+  const float aspect = float(options.size.x) / float(options.size.y);
+  return framing_camera(lit.intersector.center(), lit.intersector.radius_m(), aspect);
+}
+
 View choose_view(const RenderOptions& options, const LitScene& lit) {
-  const int width = options.size.x;
-  const int height = options.size.y;
-  if (!options.camera.empty()) return make_view(options.scene, find_camera(*lit.scene, options.camera), width, height);
-  if (!lit.scene->cameras.empty()) return make_view(options.scene, lit.scene->cameras.front(), width, height);
-  const float aspect = float(width) / float(height);
-  const Camera framing = framing_camera(lit.intersector.center(), lit.intersector.radius_m(), aspect);
-  return make_view(options.scene, framing, width, height);
+  return make_view(options.scene, choose_camera(options, lit), options.size.x, options.size.y);
+}
+
+// Says what looks like a mistake.
+std::vector<std::string> judge(const RenderOptions& options, const LitScene& lit, const Film& film) {
+  const Camera camera = choose_camera(options, lit);
+  const View view = choose_view(options, lit);
+  std::vector<std::string> warnings;
+  if (const auto doubt = doubt_about(lit.intersector, view, camera.name)) {
+    warnings.push_back(*doubt);
+  } else if (!options.indirect_only && !lit.lights.empty() &&
+             std::all_of(film.pixels.begin(), film.pixels.end(), is_black)) {
+    // Both sides of a double-sided surface are seen, so that its back alone is no mistake.
+    const bool inside = look_around(lit.intersector, view.origin).back_share > 0.75;
+    warnings.push_back(fmt::format("the picture is black: no light comes from what camera '{}' sees{}", camera.name,
+                                   inside ? ", and it may stand inside a wall" : ""));
+  }
+  return warnings;
 }
 
 Film render(const RenderOptions& options, const RenderMethod& method, const SceneInput& input,
@@ -125,9 +143,9 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
       throw UsageError("--output: " + output + " is given twice");
   }
   std::vector<bool> is_object;
-  const auto input = load_scene_input(options.scene, options.environment, common, [&](Scene& scene) {
-    is_object = place_objects(scene, options.objects, common);
-    for (const SphereLight& light : options.sphere_lights) add_sphere_light(scene, light, "--sphere-light");
+  const auto input = load_scene_input(options.scene, options.load, options.environment, common, [&](Scene& scene) {
+    is_object = place_objects(scene, options.objects, options.load, common);
+    for (const SphereLightOption& light : options.sphere_lights) add_sphere_light(scene, light, "--sphere-light");
     if (method.extend) method.extend(scene);
     is_object.resize(scene.instances.size(), false);
   });
@@ -135,6 +153,9 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
   const auto start = std::chrono::steady_clock::now();
   const Film film = render(options, method, input, is_object, common);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  const std::vector<std::string> warnings = judge(options, input.lit, film);
+  for (const std::string& warning : warnings) print_note(common, "warning: " + warning);
 
   const Metadata metadata = describe(options, method, input);
   const bool any_display = !std::all_of(options.outputs.begin(), options.outputs.end(), is_linear_image);
@@ -159,7 +180,9 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
   result["mean_radiance_nits"] = {mean[0], mean[1], mean[2]};
   result["seconds"] = seconds;
   result["render_seconds"] = film.render_seconds;
-  result["warnings"] = input.warnings;
+  std::vector<std::string> all = input.warnings;
+  all.insert(all.end(), warnings.begin(), warnings.end());
+  result["warnings"] = all;
   std::string human = fmt::format("{}: {} x {}, {}, {} samples a pixel, mean {:.4g} {:.4g} {:.4g} nits, {:.2f} s\n",
                                   fmt::join(options.outputs, ", "), film.width, film.height, options.method,
                                   options.samples, mean[0], mean[1], mean[2], seconds);
@@ -188,6 +211,7 @@ void add_render_command(Command app, CommonOptions& common) {
                   "The scene's camera, by name or index [the first; a framing view where it has none]")
       .type_name("NAME|INDEX");
   add_environment_options(command, options->environment);
+  add_scene_options(command, options->load);
   command
       .add_option("--object", options->objects,
                   "An object that moves: a model placed in the scene, or a node of the scene; may be repeated.\n"

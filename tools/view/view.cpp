@@ -43,7 +43,7 @@ ViewRun finished(const ViewCommand& command) {
   run.settings.direct = !command.indirect_only;
   run.settings.constant_e_lux = Rgb(0, 0, 0);
   if (!command.constant.empty()) {
-    const V3f e = parse_vector3("--constant", command.constant);
+    const V3f e(parse_vector3("--constant", command.constant));
     if (!(e.x >= 0 && e.y >= 0 && e.z >= 0)) throw UsageError("--constant: irradiance is not negative");
     run.settings.constant_e_lux = e;
   }
@@ -64,7 +64,7 @@ void run_view(const ViewCommand& command, const CommonOptions& common) {
     run_window(run, common);
 }
 
-void add_scene_options(Command app, ViewCommand& command) {
+void add_content_options(Command app, ViewCommand& command) {
   app.add_option("scene", command.run.input.scene, "Scene: .gltf or .glb, metres, +Y up").required().type_name("SCENE");
   app.add_option("files", command.run.input.assets,
                  "What lights it, and more: grids (.vdb), SH9 (.json), DifMaps, FIV tables, localized cube maps and\n"
@@ -75,6 +75,7 @@ void add_scene_options(Command app, ViewCommand& command) {
                  "The scene's camera, by name or index [the first; a framing view where it has none]")
       .type_name("NAME|INDEX");
   add_environment_options(app, command.run.input.environment);
+  add_scene_options(app, command.run.input.load);
   app.add_option("--object", command.run.input.objects,
                  "An object that moves: a model placed in the scene, or a node of the scene; may be repeated")
       .repeated()
@@ -200,7 +201,7 @@ void add_picture_options(Command app, ViewCommand& command) {
 void add_view_command(Command app, CommonOptions& common) {
   Command command = app.add_subcommand("view", "Look at a scene lit by baked assets, in a window or without");
   auto options = std::make_shared<ViewCommand>();
-  add_scene_options(command, *options);
+  add_content_options(command, *options);
   command.add_flag("--headless", options->headless, "No window: draw --frames and write -o. Needs no display");
   command.add_count("--frames", options->run.frames, "Frames to draw [1; in a window: until it is closed]");
   command.add_option("--fps", options->run.frames_per_second, "Frames a second of the paths' time without a window")

@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "grid/base/error.h"
 
 namespace ivory {
@@ -24,6 +26,8 @@ View make_view(const std::string& file, const Camera& camera, int width, int hei
   view.up = y.normalized() * half_height;
   view.forward = -z.normalized();
   view.perspective = camera.perspective;
+  view.near_m = camera.near_m;
+  view.far_m = camera.far_m;
   view.width = width;
   view.height = height;
   return view;
@@ -64,7 +68,61 @@ Ray make_ray(const View& view, const V2f& pixel) {
   ray.cull_back_faces = true;
   ray.origin = view.perspective ? view.origin : view.origin + offset;
   ray.direction = view.perspective ? (view.forward + offset).normalized() : view.forward;
+  const float cosine = view.perspective ? ray.direction.dot(view.forward) : 1.0F;
+  ray.t_min = view.near_m / cosine;
+  ray.t_max = view.far_m / cosine;
   return ray;
+}
+
+namespace {
+
+bool is_single_sided(const Scene& scene, const Hit& hit) {
+  const Mesh& mesh = scene.meshes[std::size_t(scene.instances[std::size_t(hit.instance)].mesh)];
+  return !scene.materials[std::size_t(mesh.material)].double_sided;
+}
+
+}  // namespace
+
+Surroundings look_around(const Intersector& intersector, const V3f& p) {
+  constexpr int count = 256;
+  const float golden_angle = pi * (3 - std::sqrt(5.0F));
+  Surroundings around;
+  for (int i = 0; i < count; ++i) {
+    // Fibonacci's lattice.
+    const float y = 1 - (2 * float(i) + 1) / count;
+    const float r = std::sqrt(1 - y * y);
+    Ray ray;
+    ray.origin = p;
+    ray.direction = V3f(r * std::cos(golden_angle * float(i)), y, r * std::sin(golden_angle * float(i))).normalized();
+    ray.coverage_seed = std::uint32_t(i) * 0x9E3779B9U;
+    const std::optional<Hit> hit = intersector.closest(ray);
+    if (!hit || !(ray.direction.dot(hit->ng) > 0)) continue;
+    around.back_share += 1.0 / count;
+    if (is_single_sided(intersector.scene(), *hit)) around.single_sided_back_share += 1.0 / count;
+  }
+  return around;
+}
+
+std::optional<std::string> doubt_about(const Intersector& intersector, const View& view, const std::string& name) {
+  // Walls that are cut open by their culled backs are looked at from outside: they are not all around.
+  constexpr double most = 0.75;
+  const double share = look_around(intersector, view.origin).single_sided_back_share;
+  if (share < most) return std::nullopt;
+  constexpr int side = 8;
+  int backs = 0;
+  for (int i = 0; i < side * side; ++i) {
+    const V2f at((float(i % side) + 0.5F) / side * float(view.width),
+                 (float(i / side) + 0.5F) / side * float(view.height));
+    Ray ray = make_ray(view, at);
+    ray.cull_back_faces = false;
+    ray.coverage_seed = std::uint32_t(i) * 0x9E3779B9U;
+    const std::optional<Hit> hit = intersector.closest(ray);
+    if (hit && ray.direction.dot(hit->ng) > 0) ++backs;
+  }
+  if (backs < most * side * side) return std::nullopt;
+  return fmt::format(
+      "camera '{}' may stand inside a wall: {:.0f} % of what is around it are backs of single-sided surfaces", name,
+      100 * share);
 }
 
 }  // namespace ivory

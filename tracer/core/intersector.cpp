@@ -15,6 +15,7 @@ RayContext make_context(const Ray& ray) {
   RayContext context{};
   rtcInitIntersectContext(&context.embree);
   context.coverage_seed = ray.coverage_seed;
+  context.blocking_coverage = ray.blocking_coverage;
   if (ray.cull_back_faces) context.embree.filter = filter_back_faces;
   return context;
 }
@@ -249,7 +250,7 @@ std::array<float, 8> Intersector::distances(const std::array<V3f, 8>& origins, i
   }
   RayContext context = make_context({});
   context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  context.blocking_coverage = 0.5F;
+  context.blocking_coverage = half_coverage;
   rtcIntersect8(active.data(), state_->top, &context.embree, &query);
   std::array<float, 8> out{};
   for (std::size_t i = 0; i < 8; ++i) {
@@ -280,7 +281,7 @@ std::uint32_t Intersector::visible(const V3f& origin, const std::array<V3f, 8>& 
   }
   RayContext context = make_context({});
   context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-  context.blocking_coverage = 0.5F;
+  context.blocking_coverage = half_coverage;
   rtcOccluded8(active.data(), state_->top, &context.embree, &rays);
   std::uint32_t bits = 0;
   for (int i = 0; i < count; ++i) {

@@ -11,13 +11,18 @@
 
 namespace ivory {
 
+// Where whole surfaces are wanted, of what they are made of: BLEND surfaces of a lower coverage are not there.
+inline constexpr float half_coverage = 0.5F;
+
 struct Ray {
-  V3f origin;
-  V3f direction;  // unit
+  V3f origin{0, 0, 0};
+  V3f direction{0, 0, 0};  // unit, to be set
   float t_min = 0;
   float t_max = std::numeric_limits<float>::infinity();
   // Decides stochastic BLEND coverage along the ray; to be drawn anew, uniform over 32 bits, for each.
   std::uint32_t coverage_seed = 0;
+  // At least 0: nothing is left to chance, and surfaces of at least that coverage are there, as in visible().
+  float blocking_coverage = -1;
   // glTF culls back faces of single-sided materials for the eye; light meets both sides.
   bool cull_back_faces = false;
 };
@@ -54,11 +59,11 @@ class Intersector {
   float transmittance(const Ray& ray) const;
 
   // For each of the first `count` (at most 8) targets: is the open segment from `origin` free of
-  // surfaces? Bit i of the answer. BLEND surfaces with alpha below one half do not block.
+  // surfaces? Bit i of the answer. Surfaces of a coverage below half_coverage do not block.
   std::uint32_t visible(const V3f& origin, const std::array<V3f, 8>& targets, int count) const;
 
   // Distances along `direction` (unit) to the first surface from each of the first `count` (at most 8) origins,
-  // infinity for none. BLEND surfaces with alpha below one half are not there. For rays side by side.
+  // infinity for none. Surfaces of a coverage below half_coverage are not there. For rays side by side.
   std::array<float, 8> distances(const std::array<V3f, 8>& origins, int count, const V3f& direction) const;
 
   // How many of the rays hit something: Embree's closest-hit queries one by one, nothing made of the hits. The rate

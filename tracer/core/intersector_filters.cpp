@@ -1,7 +1,9 @@
 #include "tracer/core/intersector_filters.h"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
+#include <optional>
 
 #include "tracer/core/surface.h"
 
@@ -9,14 +11,13 @@ namespace ivory {
 
 namespace {
 
-// Uniform in [0,1) from the ray's seed and the surface met: one ray asks about one surface several
-// times and must get one answer. The mixing is splitmix64's finalizer.
-float coverage_threshold(std::uint32_t seed, unsigned geometry, unsigned primitive) {
-  std::uint64_t x = (std::uint64_t(seed) << 32U) ^ (std::uint64_t(geometry) * 0x9E3779B97F4A7C15U) ^ primitive;
+constexpr std::uint64_t golden = 0x9E3779B97F4A7C15U;
+
+// The finalizer of splitmix64: a bijection whose output bits each depend on all input bits.
+std::uint64_t mix(std::uint64_t x) {
   x = (x ^ (x >> 30U)) * 0xBF58476D1CE4E5B9U;
   x = (x ^ (x >> 27U)) * 0x94D049BB133111EBU;
-  x ^= x >> 31U;
-  return static_cast<float>(x >> 40U) * 0x1p-24F;
+  return x ^ (x >> 31U);
 }
 
 float coverage_of(const RTCFilterFunctionNArguments& args, const GeometryRecord& record, unsigned lane) {
@@ -26,7 +27,50 @@ float coverage_of(const RTCFilterFunctionNArguments& args, const GeometryRecord&
   return coverage_at(*record.scene, record.mesh, triangle, V2f(u, v));
 }
 
+// The scene's instance that lane's hit belongs to. Meshes placed once are top-level geometry, by the same numbers.
+unsigned instance_of(const RTCFilterFunctionNArguments& args, unsigned lane) {
+  const unsigned instance = RTCHitN_instID(args.hit, args.N, lane, 0);
+  return instance != RTC_INVALID_GEOMETRY_ID ? instance : RTCHitN_geomID(args.hit, args.N, lane);
+}
+
+// A point belongs to an edge where a corner weighs no more than this; Embree finds weights to 1e-7 or so.
+constexpr float edge_width = 0x1p-20F;
+
+std::uint64_t position_key(const V3f& p) {
+  // Adding zero makes one of the two zeros.
+  const auto bits = [](float x) { return std::uint64_t(std::bit_cast<std::uint32_t>(x + 0.0F)); };
+  return mix(mix(bits(p.x) << 32U | bits(p.y)) + golden + bits(p.z));
+}
+
+// What lane's ray meets: the edge or corner that its hit lies on, which all triangles there share, and nothing where it
+// lies inside of one triangle. Embree's robust rays meet both triangles of an edge, so that none slips through.
+std::optional<std::uint64_t> shared_key(const RTCFilterFunctionNArguments& args, const GeometryRecord& record,
+                                        unsigned lane) {
+  const float u = RTCHitN_u(args.hit, args.N, lane);
+  const float v = RTCHitN_v(args.hit, args.N, lane);
+  const V3f weights(1 - u - v, u, v);
+  if (std::min({weights.x, weights.y, weights.z}) > edge_width) return std::nullopt;
+  const Mesh& mesh = record.scene->meshes[std::size_t(record.mesh)];
+  const auto& corners = mesh.triangles[RTCHitN_primID(args.hit, args.N, lane)];
+  std::uint64_t sum = instance_of(args, lane);
+  for (unsigned i = 0; i < 3; ++i) {
+    if (weights[i] > edge_width) sum += position_key(mesh.positions[corners[i]]);  // in whatever order
+  }
+  return mix(sum);
+}
+
 }  // namespace
+
+// Instance and triangle fill 64 bits between them, and a bijection keeps apart what is apart.
+std::uint64_t triangle_key(std::uint32_t instance, std::uint32_t triangle) {
+  return mix((std::uint64_t(instance) << 32U | triangle) + golden);
+}
+
+// Keys differ in bits all over before the seed comes in, so that their numbers are independent over seeds; whatever the
+// seed, no two keys share their 64 bits.
+float coverage_threshold(std::uint32_t seed, std::uint64_t key) {
+  return static_cast<float>(mix(key ^ (seed * golden)) >> 40U) * 0x1p-24F;
+}
 
 void filter_closest(const RTCFilterFunctionNArguments* args) {
   const auto& record = *static_cast<const GeometryRecord*>(args->geometryUserPtr);
@@ -39,11 +83,10 @@ void filter_closest(const RTCFilterFunctionNArguments* args) {
   }
   assert(args->N == 1);
   const float coverage = coverage_of(*args, record, 0);
-  const bool there = coverage >= 1 || coverage > coverage_threshold(context.coverage_seed,
-                                                                    RTCHitN_instID(args->hit, 1, 0, 0) * 31U +
-                                                                        RTCHitN_geomID(args->hit, 1, 0),
-                                                                    RTCHitN_primID(args->hit, 1, 0));
-  if (!there) args->valid[0] = 0;
+  if (coverage >= 1) return;
+  const std::uint64_t key =
+      shared_key(*args, record, 0).value_or(triangle_key(instance_of(*args, 0), RTCHitN_primID(args->hit, 1, 0)));
+  if (!(coverage > coverage_threshold(context.coverage_seed, key))) args->valid[0] = 0;
 }
 
 // Direction and normal are both in the space that the geometry was built in, so their product has the world's sign.
@@ -66,8 +109,18 @@ void filter_occluded(const RTCFilterFunctionNArguments* args) {
       if (coverage < context.blocking_coverage) args->valid[lane] = 0;
       continue;
     }
-    context.transmittance *= std::max(0.0F, 1 - coverage);
-    if (context.transmittance > 0) args->valid[lane] = 0;
+    if (coverage >= 1) {
+      context.transmittance = 0;
+      continue;
+    }
+    args->valid[lane] = 0;
+    if (coverage <= 0) continue;
+    if (const std::optional<std::uint64_t> key = shared_key(*args, record, lane)) {
+      auto& passed = context.edges_passed;
+      if (std::find(passed.begin(), passed.end(), *key) != passed.end()) continue;
+      passed[context.edges_count++ % passed.size()] = *key;
+    }
+    context.transmittance *= 1 - coverage;
   }
 }
 

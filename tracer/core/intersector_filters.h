@@ -1,6 +1,8 @@
 // What Embree asks about each surface that a ray meets: coverage and culled back faces. Private to the intersector.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include <embree3/rtcore.h>
@@ -23,8 +25,19 @@ struct RayContext {
   RTCIntersectContext embree;  // must be first: the filters cast back to RayContext
   std::uint32_t coverage_seed = 0;
   float transmittance = 1;
+  // The last edges between triangles that the ray passed through exactly: it meets both triangles, and one surface.
+  std::array<std::uint64_t, 8> edges_passed{};
+  std::size_t edges_count = 0;
   float blocking_coverage = -1;  // visibility queries: coverage of at least this blocks whole
 };
+
+// 64 bits that no two triangles of a scene share, however instances and triangles are numbered.
+std::uint64_t triangle_key(std::uint32_t instance, std::uint32_t triangle);
+
+// Uniform in [0,1), for a ray of that coverage seed at a surface of that key: the surface is there where the number
+// lies below its coverage. A ray may ask several times about one surface and gets one answer; over seeds, the numbers
+// of different surfaces are independent.
+float coverage_threshold(std::uint32_t seed, std::uint64_t key);
 
 // Closest hits on geometry that has coverage: a partly covered surface may be missed.
 void filter_closest(const RTCFilterFunctionNArguments* args);

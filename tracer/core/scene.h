@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <string>
 #include <variant>
@@ -139,6 +140,9 @@ struct Camera {
   bool perspective = true;
   float yfov_rad = 0.8F;  // perspective
   float ymag_m = 1;       // orthographic half height
+  // What lies nearer or farther along the direction it looks in is not seen.
+  float near_m = 0;
+  float far_m = std::numeric_limits<float>::infinity();
 };
 
 struct PointLight {
@@ -149,8 +153,8 @@ struct SpotLight {
   V3f position;
   V3f direction;  // unit, the way the light shines
   Rgb intensity_cd;
-  float inner_angle_rad = 0;
-  float outer_angle_rad = pi / 4;
+  float inner_angle_rad = 0;       // up to the outer angle: a hard edge
+  float outer_angle_rad = pi / 4;  // above 0, up to pi / 2
 };
 struct DirectionalLight {
   V3f direction;  // unit, the way the light travels
@@ -180,9 +184,12 @@ struct Scene {
   std::vector<SphereLight> sphere_lights;
   std::optional<EnvironmentMap> environment;
   std::string content_hash;  // of the file and everything it refers to, hexadecimal
+  // Every position of the scene is local: it plus this is the world's, metres (grid/base/anchor.h). Zero near the
+  // world's origin.
+  V3d anchor_m{0, 0, 0};
 };
 
-// World bounds of all instances in metres; an empty box for a scene without triangles.
+// Local bounds of all instances in metres; an empty box for a scene without triangles.
 Box3f bounds(const Scene& scene);
 
 }  // namespace ivory

@@ -178,7 +178,8 @@ float own_surface_reach_m(const Intersector& intersector, const V3f& p, const V3
   const float farthest =
       std::max({std::abs(center.x), std::abs(center.y), std::abs(center.z)}) + intersector.radius_m();
   const float within = own_surface * farthest;
-  Ray ray{.origin = p - ng * within, .direction = ng, .t_max = 2 * within};
+  constexpr float any_coverage = 1e-6F;
+  Ray ray{.origin = p - ng * within, .direction = ng, .t_max = 2 * within, .blocking_coverage = any_coverage};
   // Other surfaces may lie as close in a large scene; four deep is enough for a decal on a sheet.
   for (int i = 0; i < 4; ++i) {
     const std::optional<Hit> hit = intersector.closest(ray);
@@ -226,8 +227,10 @@ Ray spawn_ray(const Surface& surface, const V3f& w, std::uint32_t coverage_seed)
           .coverage_seed = coverage_seed};
 }
 
-Rgb emission_at(const Scene& scene, int instance, int triangle, const V2f& barycentric) {
-  return emission(scene, locate(scene, instance, triangle, barycentric));
+Rgb emission_at(const Scene& scene, int mesh_index, int triangle, const V2f& barycentric) {
+  const Mesh& mesh = scene.meshes[std::size_t(mesh_index)];
+  const M44f nowhere;  // what is emitted does not depend on the place
+  return emission(scene, {mesh, scene.materials[std::size_t(mesh.material)], nowhere, triangle, barycentric});
 }
 
 float coverage_at(const Scene& scene, int mesh_index, int triangle, const V2f& barycentric) {

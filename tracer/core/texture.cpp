@@ -50,7 +50,7 @@ int wrap_index(int i, int size, Wrap wrap) {
   return ((i % size) + size) % size;
 }
 
-V4f texel(const Image& image, int x, int y, const std::array<float, 256>& table) {
+V4f decoded(const Image& image, int x, int y, const std::array<float, 256>& table) {
   const std::uint8_t* p = &image.rgba[(std::size_t(y) * std::size_t(image.width) + std::size_t(x)) * 4];
   return {table[p[0]], table[p[1]], table[p[2]], linear_table[p[3]]};
 }
@@ -65,11 +65,12 @@ V4f sample(const Scene& scene, const TextureUse& use, const V2f& uv, bool srgb) 
   const auto& table = srgb ? srgb_table : linear_table;
 
   // (0,0) is the upper left corner of the first texel, whose centre lies at half a texel.
-  const float x = limited(uv.x * float(image.width));
-  const float y = limited(uv.y * float(image.height));
+  const V2f at = uv_texels(Imath::V2i(image.width, image.height), uv);
+  const float x = at.x;
+  const float y = at.y;
   if (texture.nearest)
-    return texel(image, wrap_index(int(std::floor(x)), image.width, texture.wrap_s),
-                 wrap_index(int(std::floor(y)), image.height, texture.wrap_t), table);
+    return decoded(image, wrap_index(int(std::floor(x)), image.width, texture.wrap_s),
+                   wrap_index(int(std::floor(y)), image.height, texture.wrap_t), table);
 
   const float left = std::floor(x - 0.5F);
   const float top = std::floor(y - 0.5F);
@@ -79,9 +80,29 @@ V4f sample(const Scene& scene, const TextureUse& use, const V2f& uv, bool srgb) 
   const int x1 = wrap_index(int(left) + 1, image.width, texture.wrap_s);
   const int y0 = wrap_index(int(top), image.height, texture.wrap_t);
   const int y1 = wrap_index(int(top) + 1, image.height, texture.wrap_t);
-  const V4f upper = texel(image, x0, y0, table) * (1 - fx) + texel(image, x1, y0, table) * fx;
-  const V4f lower = texel(image, x0, y1, table) * (1 - fx) + texel(image, x1, y1, table) * fx;
+  const V4f upper = decoded(image, x0, y0, table) * (1 - fx) + decoded(image, x1, y0, table) * fx;
+  const V4f lower = decoded(image, x0, y1, table) * (1 - fx) + decoded(image, x1, y1, table) * fx;
   return upper * (1 - fy) + lower * fy;
+}
+
+V4f texel(const Scene& scene, const TextureUse& use, int x, int y, bool srgb) {
+  if (use.texture == no_index) return {1, 1, 1, 1};
+  const Texture& texture = scene.textures[std::size_t(use.texture)];
+  if (texture.image == no_index) return {1, 1, 1, 1};
+  const Image& image = scene.images[std::size_t(texture.image)];
+  return decoded(image, wrap_index(x, image.width, texture.wrap_s), wrap_index(y, image.height, texture.wrap_t),
+                 srgb ? srgb_table : linear_table);
+}
+
+Imath::V2i texture_size(const Scene& scene, const TextureUse& use) {
+  if (use.texture == no_index) return {0, 0};
+  const int image = scene.textures[std::size_t(use.texture)].image;
+  if (image == no_index) return {0, 0};
+  return {scene.images[std::size_t(image)].width, scene.images[std::size_t(image)].height};
+}
+
+V2f uv_texels(const Imath::V2i& size, const V2f& uv) {
+  return {limited(uv.x * float(size.x)), limited(uv.y * float(size.y))};
 }
 
 V2f uv_at(const Mesh& mesh, int triangle, const V2f& barycentric, const TextureUse& use) {

@@ -141,18 +141,11 @@ std::vector<std::uint32_t> sparse_indices(const Document& document, const tinygl
   return indices;
 }
 
-// Vectors of n floats without padding, as all of Imath's are.
-template <class Vector, int n>
-std::vector<Vector> read_vectors(const Document& document, int index, const std::string& what, const Range& range) {
-  static_assert(sizeof(Vector) == n * sizeof(float));
+// The elements from `first` on, `count` of them, as n floats each.
+template <int n>
+void read_elements(const Document& document, int index, const std::string& what, std::size_t first, std::size_t count,
+                   float* out) {
   const tinygltf::Accessor& accessor = document.model.accessors[std::size_t(index)];
-  if (tinygltf::GetNumComponentsInType(std::uint32_t(accessor.type)) != n || accessor.type == TINYGLTF_TYPE_MAT2)
-    document.fail(fmt::format("{} (accessors[{}]) does not have {} components", what, index, n), remedy);
-  const std::size_t first = std::min(range.first, accessor.count);
-  const std::size_t count = std::min(range.count, accessor.count - first);
-  std::vector<Vector> result(count, Vector(0));
-  if (count == 0) return result;
-  float* const out = &result[0].x;
   if (accessor.bufferView >= 0) {
     const tinygltf::BufferView& view = document.model.bufferViews[std::size_t(accessor.bufferView)];
     const std::size_t stride = view.byteStride == 0 ? element_bytes(accessor) : view.byteStride;
@@ -172,6 +165,27 @@ std::vector<Vector> read_vectors(const Document& document, int index, const std:
   for (std::size_t i = 0; i < count * n; ++i)
     if (!std::isfinite(out[i]))
       document.fail(fmt::format("{} (accessors[{}]) is not finite at element {}", what, index, first + i / n), remedy);
+}
+
+void check_components(const Document& document, int index, const std::string& what, int components) {
+  const tinygltf::Accessor& accessor = document.model.accessors[std::size_t(index)];
+  if (tinygltf::GetNumComponentsInType(std::uint32_t(accessor.type)) != components ||
+      accessor.type == TINYGLTF_TYPE_MAT2)
+    document.fail(fmt::format("{} (accessors[{}]) does not have {} component{}", what, index, components,
+                              components == 1 ? "" : "s"),
+                  remedy);
+}
+
+// Vectors of n floats without padding, as all of Imath's are.
+template <class Vector, int n>
+std::vector<Vector> read_vectors(const Document& document, int index, const std::string& what, const Range& range) {
+  static_assert(sizeof(Vector) == n * sizeof(float));
+  check_components(document, index, what, n);
+  const std::size_t elements = document.model.accessors[std::size_t(index)].count;
+  const std::size_t first = std::min(range.first, elements);
+  const std::size_t count = std::min(range.count, elements - first);
+  std::vector<Vector> result(count, Vector(0));
+  if (count > 0) read_elements<n>(document, index, what, first, count, &result[0].x);
   return result;
 }
 
@@ -191,6 +205,17 @@ std::vector<V3f> read_vec3(const Document& document, int accessor, const std::st
 
 std::vector<V4f> read_vec4(const Document& document, int accessor, const std::string& what, const Range& range) {
   return read_vectors<V4f, 4>(document, accessor, what, range);
+}
+
+std::vector<float> read_floats(const Document& document, int accessor, int components, const std::string& what) {
+  check_components(document, accessor, what, components);
+  const std::size_t count = document.model.accessors[std::size_t(accessor)].count;
+  std::vector<float> result(count * std::size_t(components), 0.0F);
+  if (components == 1) read_elements<1>(document, accessor, what, 0, count, result.data());
+  if (components == 3) read_elements<3>(document, accessor, what, 0, count, result.data());
+  if (components == 4) read_elements<4>(document, accessor, what, 0, count, result.data());
+  if (components == 16) read_elements<16>(document, accessor, what, 0, count, result.data());
+  return result;
 }
 
 std::vector<std::uint32_t> read_indices(const Document& document, int index, const std::string& what) {

@@ -23,6 +23,9 @@ std::vector<V2f> read_vec2(const Document& document, int accessor, const std::st
 std::vector<V3f> read_vec3(const Document& document, int accessor, const std::string& what, const Range& range = {});
 std::vector<V4f> read_vec4(const Document& document, int accessor, const std::string& what, const Range& range = {});
 
+// The same side by side, all elements, of 1, 3, 4 or 16 components (SCALAR, VEC3, VEC4, MAT4).
+std::vector<float> read_floats(const Document& document, int accessor, int components, const std::string& what);
+
 // Unsigned integers (8, 16 or 32 bits).
 std::vector<std::uint32_t> read_indices(const Document& document, int accessor, const std::string& what);
 

@@ -1,5 +1,6 @@
 #include "tracer/gltf/document.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -158,23 +159,78 @@ std::string percent_decoded(const std::string& uri) {
   return path;
 }
 
+// RFC 3986, 3.1 and RFC 2045, 6.1: schemes and names of encodings are of any case. `lower` is in lower case.
+bool equal_in_any_case(std::string_view text, std::string_view lower) {
+  return std::ranges::equal(text, lower,
+                            [](char a, char b) { return (a >= 'A' && a <= 'Z' ? a - 'A' + 'a' : a) == b; });
+}
+
+bool is_data_uri(std::string_view uri) { return equal_in_any_case(uri.substr(0, 5), "data:"); }
+
 std::vector<std::uint8_t> decode_data_uri(const Document& document, const std::string& uri, const std::string& what) {
   const std::size_t comma = uri.find(',');
   if (comma == std::string::npos) document.fail(what + " has a data URI without data", remedy);
-  if (!std::string_view(uri).substr(0, comma).ends_with(";base64")) {
+  constexpr std::string_view base64 = ";base64";
+  const std::string_view head = std::string_view(uri).substr(0, comma);
+  if (head.size() < base64.size() || !equal_in_any_case(head.substr(head.size() - base64.size()), base64)) {
     const std::string plain = percent_decoded(uri.substr(comma + 1));
     return {plain.begin(), plain.end()};
   }
-  std::size_t digits = uri.size() - comma - 1;
-  while (digits > 0 && uri[comma + digits] == '=') --digits;
+  // Lines are broken by some encoders (RFC 2045, 6.8), and RFC 2397 lets any character be written as %xx.
+  std::string text = uri.substr(comma + 1);
+  if (text.find('%') != std::string::npos) text = percent_decoded(text);
+  std::erase_if(text, [](char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; });
+  std::size_t digits = text.size();
+  while (digits > 0 && text[digits - 1] == '=') --digits;
   // tinygltf counts in int and stops silently at the first foreign character.
   if (digits > (1U << 30U)) document.fail(what + " has a data URI of more than 1 GB", "keep it in a file of its own");
   std::vector<std::uint8_t> bytes;
   std::string mime_type;
-  const bool decoded = tinygltf::DecodeDataURI(
-      &bytes, mime_type, "data:application/octet-stream;base64," + uri.substr(comma + 1), 0, false);
+  const bool decoded =
+      tinygltf::DecodeDataURI(&bytes, mime_type, "data:application/octet-stream;base64," + text, 0, false);
   if (!decoded || bytes.size() != digits * 3 / 4) document.fail(what + " has a data URI with broken base64", remedy);
   return bytes;
+}
+
+// Where a file's companions may lie: beside it, and beside what it links to.
+std::vector<fs::path> folders_of(const Document& document) {
+  std::vector<fs::path> folders{fs::path(document.path).parent_path()};
+  std::error_code error;
+  const fs::path target = fs::canonical(document.path, error);
+  if (!error && fs::is_symlink(document.path, error)) folders.push_back(target.parent_path());
+  return folders;
+}
+
+// A file that a uri may mean, and what had to be mended in the uri for it.
+struct Candidate {
+  fs::path path;
+  std::string mended;  // empty: nothing
+};
+
+// First as a URI says it (relative, with %xx), then as exporters write it: with the unescaped name, Windows'
+// separators, and the query of a web address.
+std::vector<Candidate> candidates(const Document& document, const std::string& uri) {
+  const std::vector<fs::path> folders = folders_of(document);
+  const std::string bare = uri.substr(0, uri.find_first_of("?#"));
+  const auto with_slashes = [](std::string name) {
+    std::replace(name.begin(), name.end(), '\\', '/');
+    return name;
+  };
+  struct Spelling {
+    std::string name;
+    const char* mended;
+  };
+  const Spelling spellings[] = {
+      {percent_decoded(uri), ""},
+      {uri, ""},
+      {with_slashes(percent_decoded(uri)), "with slashes for its backslashes"},
+      {percent_decoded(bare), "without its query"},
+      {with_slashes(percent_decoded(bare)), "without its query, with slashes for its backslashes"}};
+  std::vector<Candidate> result;
+  for (const Spelling& spelling : spellings)
+    for (const fs::path& folder : folders)
+      if (!spelling.name.empty()) result.push_back({folder / fs::path(spelling.name), spelling.mended});
+  return result;
 }
 
 void drop_extras(json& value) {
@@ -196,7 +252,8 @@ void Document::fail(const std::string& cause, const std::string& advice) const {
 }
 
 void Document::warn(const std::string& message) {
-  warnings.push_back(one_line(path) + ": " + clipped(one_line(message)));
+  std::string line = one_line(path) + ": " + clipped(one_line(message));
+  if (said.insert(line).second) warnings.push_back(std::move(line));
 }
 
 void read_json(Document& document) {
@@ -252,16 +309,32 @@ void parse_model(Document& document) {
 }
 
 std::vector<std::uint8_t> read_uri(Document& document, const std::string& uri, const std::string& what) {
-  if (uri.starts_with("data:")) return decode_data_uri(document, uri, what);
+  if (is_data_uri(uri)) return decode_data_uri(document, uri, what);
+  // A scheme, or a drive.
   const std::size_t colon = uri.find(':');
-  if (colon != std::string::npos && colon < uri.find('/'))
+  if (colon != std::string::npos && colon < uri.find_first_of("/\\?#"))
     document.fail(what + " lies at " + uri, "ivory reads files and data URIs only; store it beside the glTF file");
-  const fs::path file = fs::path(document.path).parent_path() / fs::path(percent_decoded(uri));
+  const std::vector<Candidate> files = candidates(document, uri);
+  std::error_code error;
+  auto found =
+      std::ranges::find_if(files, [&](const Candidate& file) { return fs::is_regular_file(file.path, error); });
+  if (found == files.end()) found = files.begin();  // whose absence is said
+  const std::string file = found == files.end() ? fs::path(document.path).parent_path().string() : found->path.string();
   std::vector<std::uint8_t> bytes;
   const std::string cause = read_file(file, bytes);
-  if (!cause.empty()) document.fail(what + " needs " + file.string() + ": " + cause, "put it there, or export again");
+  if (!cause.empty()) document.fail(what + " needs " + file + ": " + cause, "put it there, or export again");
+  if (!found->mended.empty())
+    document.warn(fmt::format("{} is called '{}', which is no file; {} is read, {}", what, uri, file, found->mended));
   add_to_hash(document, bytes);
   return bytes;
+}
+
+std::string path_beside(const Document& document, const std::string& name) {
+  const std::vector<fs::path> folders = folders_of(document);
+  std::error_code error;
+  for (const fs::path& folder : folders)
+    if (fs::exists(folder / name, error)) return (folder / name).string();
+  return (folders.front() / name).string();
 }
 
 const json* find_extension(const json& object, const char* name) {

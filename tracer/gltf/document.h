@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -35,6 +36,7 @@ struct Document {
   std::uint64_t hash = 0;                              // of all bytes read so far
 
   std::vector<std::string> warnings;
+  std::set<std::string> said;  // the same lines, to say each once
 
   // Throws Error; control characters that names from the file may bring in are replaced, so that
   // the message stays one line.
@@ -49,9 +51,14 @@ void read_buffers(Document& document);
 // Hands what remains to tinygltf.
 void parse_model(Document& document);
 
-// The bytes of a file, or of a data: URI, named by a uri relative to the document. Adds them to the hash.
+// The bytes of a file, or of a data: URI, named by a uri relative to the document, or to what it links to. Adds them to
+// the hash. Uris that are no URIs but paths (with backslashes) or web addresses (with a query) are read with a warning.
 // `what` names the user of the uri in messages.
 std::vector<std::uint8_t> read_uri(Document& document, const std::string& uri, const std::string& what);
+
+// Where a file of that name lies that belongs to the document: beside it, else, where that is a link, beside what it
+// links to; beside it where there is none.
+std::string path_beside(const Document& document, const std::string& name);
 
 // json.extensions.name, or nullptr.
 const nlohmann::json* find_extension(const nlohmann::json& object, const char* name);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -108,7 +107,7 @@ std::string read_fiv_table(const Document& document, std::size_t node) {
   if (!table->is_string() || table->get<std::string>().empty())
     fail(document, label("nodes", node, source.value("name", std::string())) + ".extras", "ivory_occluder",
          "the name of an FIV table");
-  return (std::filesystem::path(document.path).parent_path() / table->get<std::string>()).string();
+  return path_beside(document, table->get<std::string>());
 }
 
 }  // namespace ivory::gltf

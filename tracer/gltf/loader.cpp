@@ -1,13 +1,16 @@
 #include "tracer/gltf/loader.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include "grid/base/error.h"
 #include "tracer/gltf/accessors.h"
 #include "tracer/gltf/document.h"
 #include "tracer/gltf/images.h"
 #include "tracer/gltf/materials.h"
 #include "tracer/gltf/meshes.h"
 #include "tracer/gltf/nodes.h"
+#include "tracer/gltf/pose/animations.h"
 #include "tracer/gltf/schema/check.h"
 
 namespace ivory {
@@ -27,9 +30,18 @@ void drop_unused_meshes(Scene& scene) {
   for (Instance& instance : scene.instances) instance.mesh = target[std::size_t(instance.mesh)];
 }
 
+void read_distances(const gltf::Document& document, LoadedScene& loaded) {
+  for (const tinygltf::Camera& camera : document.model.cameras)
+    loaded.camera_near.push_back(camera.type == "perspective" ? camera.perspective.znear : camera.orthographic.znear);
+  const nlohmann::json* lights = gltf::find_extension(*document.json, "KHR_lights_punctual");
+  if (lights == nullptr) return;
+  for (const nlohmann::json& light : (*lights)["lights"])
+    if (light.contains("range")) loaded.light_ranges.push_back(light["range"].get<double>());
+}
+
 }  // namespace
 
-LoadedScene load_gltf(const std::string& path) {
+LoadedScene load_gltf(const std::string& path, const LoadParams& params) {
   gltf::Document document;
   document.path = path;
   gltf::read_json(document);
@@ -38,6 +50,11 @@ LoadedScene load_gltf(const std::string& path) {
   gltf::read_buffers(document);
   gltf::parse_model(document);
   gltf::check_accessors(document);
+  if (!params.time_s && !params.animation.empty()) throw ParameterError("animation", "is of no use without a time");
+  if (params.time_s)
+    gltf::apply_animation(document, params.animation, *params.time_s);
+  else
+    gltf::warn_of_animations(document);
 
   LoadedScene loaded;
   Scene& scene = loaded.scene;
@@ -46,14 +63,14 @@ LoadedScene load_gltf(const std::string& path) {
   scene.textures = gltf::make_textures(document);
   gltf::MeshSet meshes = gltf::make_meshes(document, scene.materials);
   scene.meshes = std::move(meshes.meshes);
-  gltf::place_nodes(document, meshes, scene);
+  std::vector<char> material_used = gltf::place_nodes(document, meshes, params, scene);
   drop_unused_meshes(scene);
   if (scene.instances.empty()) document.warn("has no triangles in its scene");
 
-  std::vector<char> material_used(scene.materials.size(), 0);
   for (const Mesh& mesh : scene.meshes) material_used[std::size_t(mesh.material)] = 1;
   gltf::load_images(document, material_used, scene);
   scene.content_hash = fmt::format("{:016x}", document.hash);
+  read_distances(document, loaded);
   loaded.warnings = std::move(document.warnings);
   return loaded;
 }

@@ -1,6 +1,7 @@
 // glTF 2.0 and GLB to Scene.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,9 +9,20 @@
 
 namespace ivory {
 
+// How a file is taken.
+struct LoadParams {
+  double scale = 1;  // metres a unit of the file: multiplies positions, not light (candela, lux and nits stay)
+  std::optional<double> time_s;      // poses nodes, skins and morphs as the animation has them then; none: as stored
+  std::string animation;             // its name, or its index; empty: the first
+  std::vector<std::string> without;  // names or indices of nodes: left out with all below, but for cameras and joints
+};
+
 struct LoadedScene {
   Scene scene;
   std::vector<std::string> warnings;  // one line each: what was ignored or mended, and where
+  // Of all cameras and punctual lights of the file that state them, in its units: nothing else reads them.
+  std::vector<double> camera_near;
+  std::vector<double> light_ranges;
 };
 
 // Loads the file's default scene (the first where it names none, all nodes where it has none).
@@ -24,11 +36,13 @@ struct LoadedScene {
 // Read: glTF 2.0 and GLB; triangle lists, strips and fans; sparse, normalised and quantized
 // accessors; PNG, JPEG and WebP images; KHR_draco_mesh_compression, EXT_meshopt_compression,
 // KHR_mesh_quantization, EXT_mesh_gpu_instancing, KHR_lights_punctual, KHR_materials_
-// emissive_strength, _ior, _specular, _pbrSpecularGlossiness, _unlit (as a matt surface), _transmission (as
+// emissive_strength, _ior, _specular, _pbrSpecularGlossiness, _unlit (left out), _transmission (as
 // straight-through coverage), KHR_texture_transform, EXT_texture_webp, KHR_node_visibility.
-// Nodes that share a mesh share it in the Scene. Points and lines are left out. Morphed meshes are
-// posed by their mesh's default weights; skinned ones stand as modelled. Tangents are made from the
-// uv derivatives where a normal map needs them and the file brings none.
-LoadedScene load_gltf(const std::string& path);
+// Skins are placed by their joints, morphs by the weights of node or mesh, all as the file stores them or as `params`
+// asks. Throws ParameterError ("time", "animation", "without") for an animation or nodes that the file lacks. Nodes
+// that share a mesh share it in the Scene, but for those that pose it by morph weights of their own or by a skin.
+// Points and lines are left out. Tangents are made from the uv derivatives where a normal map needs them and the file
+// brings none.
+LoadedScene load_gltf(const std::string& path, const LoadParams& params = {});
 
 }  // namespace ivory

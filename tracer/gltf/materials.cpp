@@ -110,17 +110,6 @@ Material make_material(Document& document, std::size_t index) {
   // 0 is the extension's way to say "Fresnel term of one".
   if (material.ior != 0 && material.ior < 1)
     document.fail(fmt::format("{} has an index of refraction of {}", what, material.ior), "use 0, or 1 and above");
-
-  if (find_extension(source, "KHR_materials_unlit") != nullptr) {
-    // Unlit shows one colour whatever light falls on it: for light transport neither an emitter nor
-    // a reflector is right. A matt surface of that colour neither adds light nor hides any.
-    material.metallic = 0;
-    material.metallic_roughness_texture = {};
-    material.roughness = 1;
-    material.specular = 0;
-    material.specular_texture = {};
-    document.warn(what + " is unlit; treated as a matt surface of its base colour");
-  }
   return material;
 }
 
@@ -147,6 +136,11 @@ std::vector<Material> make_materials(Document& document) {
       document.warn(label("materials", i, materials[i].name) + " emits and transmits light; it is taken as opaque");
   materials.emplace_back().name = "default";
   return materials;
+}
+
+bool is_unlit(const Document& document, int material) {
+  return material >= 0 &&
+         find_extension(element(document, "materials", std::size_t(material)), "KHR_materials_unlit") != nullptr;
 }
 
 std::vector<Texture> make_textures(Document& document) {

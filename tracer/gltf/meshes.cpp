@@ -2,17 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <optional>
 #include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "tracer/gltf/accessors.h"
-#include "tracer/gltf/draco.h"
+#include "tracer/gltf/attributes.h"
 #include "tracer/gltf/geometry.h"
 #include "tracer/gltf/materials.h"
+#include "tracer/gltf/pose/morphs.h"
+#include "tracer/gltf/pose/skins.h"
 
 namespace ivory::gltf {
 namespace {
@@ -22,39 +22,6 @@ using Triangle = Imath::Vec3<std::uint32_t>;
 
 // Squares of products of coordinates stay within float.
 constexpr float max_coordinate_m = 1e9F;
-
-// Where a primitive's attributes come from: accessors, or its Draco data.
-struct Attributes {
-  const Document& document;
-  const tinygltf::Primitive& primitive;
-  std::optional<DracoMesh> draco;
-  std::string what;
-  // The vertices that the triangles span: many files keep all primitives in one long array.
-  Range range{};
-
-  bool has(const std::string& name) const { return primitive.attributes.contains(name); }
-  const tinygltf::Accessor& accessor(const std::string& name) const {
-    return document.model.accessors[std::size_t(primitive.attributes.at(name))];
-  }
-
-  template <class Vector, int n>
-  std::vector<Vector> read(const std::string& name) const {
-    const std::string user = what + " " + name;
-    const std::size_t vertices = accessor("POSITION").count;
-    if (accessor(name).count != vertices)
-      document.fail(fmt::format("{} of {} vertices but POSITION of {}", user, accessor(name).count, vertices), remedy);
-    if (draco && draco->has(name)) {
-      const std::vector<float> floats = draco->floats(document, name, n);
-      std::vector<Vector> result(floats.size() / n);
-      if (!floats.empty()) std::memcpy(static_cast<void*>(result.data()), floats.data(), floats.size() * sizeof(float));
-      return result;
-    }
-    const int index = primitive.attributes.at(name);
-    if constexpr (n == 2) return read_vec2(document, index, user, range);
-    if constexpr (n == 3) return read_vec3(document, index, user, range);
-    if constexpr (n == 4) return read_vec4(document, index, user, range);
-  }
-};
 
 bool is_integer(int type) { return type != TINYGLTF_COMPONENT_TYPE_FLOAT; }
 bool is_unsigned_small(int type) {
@@ -122,35 +89,6 @@ void read_triangles(Document& document, Attributes& attributes, int mode, Mesh& 
     for (std::uint32_t& index : indices) index -= std::uint32_t(attributes.range.first);
   }
   mesh.triangles = triangulate(indices, mode);
-}
-
-// Rest pose of a morphed mesh: base + sum of default weights times displacements.
-void apply_morph_targets(Document& document, const Attributes& attributes, const std::vector<double>& weights,
-                         Mesh& mesh) {
-  const auto& targets = attributes.primitive.targets;
-  for (std::size_t t = 0; t < targets.size(); ++t)
-    for (const auto& [name, accessor] : targets[t])
-      if (document.model.accessors[std::size_t(accessor)].count != attributes.accessor("POSITION").count)
-        document.fail(fmt::format("{} has {} of target {} for another number of vertices", attributes.what, name, t),
-                      remedy);
-  for (std::size_t t = 0; t < targets.size() && t < weights.size(); ++t) {
-    const float weight = float(weights[t]);
-    if (weight == 0) continue;
-    const auto displace = [&](const char* name, auto& base) {
-      const auto found = targets[t].find(name);
-      if (found == targets[t].end() || base.empty()) return;
-      const std::vector<V3f> delta = read_vec3(
-          document, found->second, fmt::format("{} target {} {}", attributes.what, t, name), attributes.range);
-      for (std::size_t i = 0; i < delta.size(); ++i) {
-        base[i].x += weight * delta[i].x;
-        base[i].y += weight * delta[i].y;
-        base[i].z += weight * delta[i].z;
-      }
-    };
-    displace("POSITION", mesh.positions);
-    displace("NORMAL", mesh.normals);
-    displace("TANGENT", mesh.tangents);
-  }
 }
 
 void check_positions(const Document& document, const Attributes& attributes, const Mesh& mesh) {
@@ -259,8 +197,10 @@ void read_uvs(Document& document, const Attributes& attributes, std::vector<Mate
   materials.push_back(std::move(reduced));
 }
 
-std::optional<Mesh> make_mesh(Document& document, std::size_t mesh_index, std::size_t primitive_index,
-                              std::vector<Material>& materials, int default_material) {
+}  // namespace
+
+std::optional<PosedMesh> make_mesh(Document& document, std::size_t mesh_index, std::size_t primitive_index,
+                                   const Pose& pose, std::vector<Material>& materials, int default_material) {
   const tinygltf::Mesh& source = document.model.meshes[mesh_index];
   const tinygltf::Primitive& primitive = source.primitives[primitive_index];
   const std::string what = label("meshes", mesh_index, source.name) + fmt::format(" primitive {}", primitive_index);
@@ -301,8 +241,11 @@ std::optional<Mesh> make_mesh(Document& document, std::size_t mesh_index, std::s
     check_format(attributes, "TANGENT");
     mesh.tangents = attributes.read<V4f, 4>("TANGENT");
   }
-  apply_morph_targets(document, attributes, source.weights, mesh);
-  if (!primitive.targets.empty()) document.warn(what + " is morphed; its rest pose is taken");
+  apply_morphs(document, attributes, pose.weights, mesh);
+  const bool skinned = pose.skin != nullptr && is_skinned(attributes);
+  if (skinned) apply_skin(document, attributes, *pose.skin, mesh);
+  if (pose.skin != nullptr && !skinned)
+    document.warn(what + " is shown with a skin but has no joints; its node's transform places it");
   check_positions(document, attributes, mesh);
 
   const std::size_t dropped = drop_degenerate_triangles(mesh);
@@ -317,24 +260,7 @@ std::optional<Mesh> make_mesh(Document& document, std::size_t mesh_index, std::s
     if (mesh.normals.empty()) make_flat_normals(mesh);
     generate_tangents(mesh, normal_use);
   }
-  return mesh;
-}
-
-}  // namespace
-
-MeshSet make_meshes(Document& document, std::vector<Material>& materials) {
-  const int default_material = int(materials.size()) - 1;
-  MeshSet set;
-  for (std::size_t m = 0; m < document.model.meshes.size(); ++m) {
-    std::vector<int>& indices = set.of_mesh.emplace_back();
-    for (std::size_t p = 0; p < document.model.meshes[m].primitives.size(); ++p) {
-      std::optional<Mesh> mesh = make_mesh(document, m, p, materials, default_material);
-      if (!mesh) continue;
-      indices.push_back(int(set.meshes.size()));
-      set.meshes.push_back(std::move(*mesh));
-    }
-  }
-  return set;
+  return PosedMesh{std::move(mesh), skinned};
 }
 
 }  // namespace ivory::gltf

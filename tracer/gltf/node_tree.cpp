@@ -1,11 +1,13 @@
 #include "tracer/gltf/node_tree.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "grid/base/error.h"
 #include "tracer/core/scene.h"
 
 namespace ivory::gltf {
@@ -87,6 +89,43 @@ std::vector<int> find_parents(const Document& document) {
   if (lost != reached.end())
     document.fail(node_label(document, std::size_t(lost - reached.begin())) + " is part of a loop", remedy);
   return parents;
+}
+
+std::vector<M44d> world_matrices(const Document& document) {
+  const std::vector<int> parents = find_parents(document);
+  std::vector<M44d> matrices(parents.size());
+  std::vector<std::size_t> open;
+  for (std::size_t i = 0; i < parents.size(); ++i)
+    if (parents[i] == no_index) open.push_back(i);
+  while (!open.empty()) {
+    const std::size_t node = open.back();
+    open.pop_back();
+    matrices[node] = local_matrix(document, node);
+    if (parents[node] != no_index) matrices[node] = matrices[node] * matrices[std::size_t(parents[node])];
+    for (const int child : document.model.nodes[node].children) open.push_back(std::size_t(child));
+  }
+  return matrices;
+}
+
+std::vector<char> find_nodes(const Document& document, const std::vector<std::string>& names) {
+  const std::vector<tinygltf::Node>& nodes = document.model.nodes;
+  std::vector<char> found(nodes.size(), 0);
+  for (const std::string& name : names) {
+    bool any = false;
+    for (std::size_t i = 0; i < nodes.size(); ++i) {
+      if (name.empty() || nodes[i].name != name) continue;
+      found[i] = 1;
+      any = true;
+    }
+    if (any) continue;
+    std::size_t index = 0;
+    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), index);
+    if (error != std::errc() || end != name.data() + name.size() || index >= nodes.size())
+      throw ParameterError(
+          "without", fmt::format("{} has no node '{}'; it has {}, counted from 0", document.path, name, nodes.size()));
+    found[index] = 1;
+  }
+  return found;
 }
 
 std::vector<int> root_nodes(Document& document, const std::vector<int>& parents) {

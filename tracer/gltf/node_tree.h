@@ -29,6 +29,13 @@ Imath::M44d local_matrix(const Document& document, std::size_t node);
 // [node] its parent, or no_index. Throws Error for nodes with two parents and for loops.
 std::vector<int> find_parents(const Document& document);
 
+// [node] its transform to the world, through all nodes above it. Throws Error as find_parents() and local_matrix() do.
+std::vector<Imath::M44d> world_matrices(const Document& document);
+
+// [node] is it called by one of these names? A text that names none may be a node's index. Throws ParameterError
+// ("without") for texts that are neither.
+std::vector<char> find_nodes(const Document& document, const std::vector<std::string>& names);
+
 // The nodes of the default scene; of the first where the file names none; all without a parent, with a warning, where
 // it has no scene. Throws Error for scenes that list a node twice or one that is a child.
 std::vector<int> root_nodes(Document& document, const std::vector<int>& parents);

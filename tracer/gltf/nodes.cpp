@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <map>
 
 #include <ImathMatrixAlgo.h>
 #include <fmt/format.h>
@@ -10,6 +10,7 @@
 
 #include "grid/base/memory.h"
 #include "tracer/gltf/accessors.h"
+#include "tracer/gltf/extent.h"
 #include "tracer/gltf/extras.h"
 #include "tracer/gltf/geometry.h"
 #include "tracer/gltf/node_tree.h"
@@ -21,7 +22,6 @@ namespace {
 using Imath::M44d;
 using nlohmann::json;
 
-constexpr float max_coordinate_m = 1e9F;
 // Below this a side of the transform counts as flattened: products of two such lengths, squared,
 // come near the end of float.
 constexpr double min_scale = 1e-6;
@@ -29,9 +29,8 @@ constexpr double min_scale = 1e-6;
 // The Instance, its matrix in double precision, and Embree's instance with its share of the hierarchy: 514 bytes as
 // measured at the peak, and a quarter more.
 constexpr double bytes_per_instance = 640;
-// Of a mesh of its own: what scene.h stores for a vertex with two sets of coordinates, and Embree's copy and hierarchy.
-constexpr double bytes_per_vertex = 88;
-constexpr double bytes_per_triangle = 96;
+// A spherical light's 5120 triangles and their places in the tables of emitters, 220 bytes each.
+constexpr double bytes_per_sphere_light = 5120 * (bytes_per_triangle + 220) + 2562 * bytes_per_vertex;
 
 M44f to_float(const M44d& m) {
   M44f result;
@@ -42,17 +41,53 @@ M44f to_float(const M44d& m) {
 
 class Placer {
  public:
-  Placer(Document& document, const MeshSet& meshes, Scene& scene)
-      : document_(document), meshes_(meshes), scene_(scene) {}
+  Placer(Document& document, const MeshSet& meshes, const LoadParams& params, Scene& scene)
+      : document_(document),
+        meshes_(meshes),
+        scale_(params.scale),
+        scene_(scene),
+        extent_(document, scene),
+        left_out_materials_(scene.materials.size(), 0) {}
 
-  void place(std::size_t index, const M44d& world, bool visible) {
+  // Of every node, before the first is placed: where it will stand in the world, metres. `file` is the transform of the
+  // file itself, which `world` ends with.
+  void measure(std::size_t index, const M44d& file, const M44d& world, bool visible, bool left_out) {
     const tinygltf::Node& node = document_.model.nodes[index];
-    const json& source = element(document_, "nodes", index);
     for (int i = 0; i < 16; ++i)
       if (!(std::abs(world[i / 4][i % 4]) < 1e30))
         document_.fail(node_label(document_, index) + " has a transform that is not finite", remedy);
+    if (!visible || left_out) return;
+    if (const std::optional<SphereLight> light = read_sphere_light(document_, index, to_float(world)))
+      extent_.add_ball(index, row(world, 3), double(light->radius_m));
+    if (node.mesh < 0) return;
+    const json* instancing = find_instancing(index);
+    if (instancing == nullptr) count_instances(index, 1);
+    for (const int primitive : meshes_.of_node[index]) {
+      if (meshes_.unlit[std::size_t(primitive)] != no_index) continue;
+      if (instancing != nullptr) {
+        const std::vector<M44d>& locals = instance_matrices(index, *instancing);
+        extent_.check_steps(index, primitive, locals);
+        for (const M44d& local : locals) extent_.add_mesh(index, primitive, local * world);
+      } else {
+        extent_.add_mesh(index, primitive, stands_at(primitive, file, world));
+      }
+    }
+  }
+
+  // The world's place of the scene, once all nodes are measured.
+  V3d choose_anchor() { return extent_.choose_anchor(); }
+
+  // `file` and `world` less the scene's anchor. `left_out`: by the caller's wish, for what its file would show.
+  void place(std::size_t index, const M44d& file, const M44d& world, bool visible, bool left_out) {
+    const tinygltf::Node& node = document_.model.nodes[index];
+    const json& source = element(document_, "nodes", index);
     if (node.camera >= 0) add_camera(index, std::size_t(node.camera), world);
     if (!visible) return;
+    if (left_out) {
+      for (const int primitive : meshes_.of_node[index])
+        left_out_materials_[std::size_t(scene_.meshes[std::size_t(primitive)].material)] = 1;
+      return;
+    }
     if (const json* light = find_extension(source, "KHR_lights_punctual"))
       add_light(index, (*light)["light"].get<std::size_t>(), world);
     if (const std::optional<SphereLight> light = read_sphere_light(document_, index, to_float(world))) {
@@ -60,34 +95,55 @@ class Placer {
       scene_.instances.back().node = int(index);
     }
     if (node.mesh < 0) return;
-    if (const json* instancing = find_extension(source, "EXT_mesh_gpu_instancing")) {
-      for (const M44d& local : instance_matrices(index, *instancing))
-        add_mesh(index, std::size_t(node.mesh), local * world);
+    if (const json* instancing = find_instancing(index)) {
+      for (const M44d& local : instance_matrices(index, *instancing)) add_mesh(index, file, local * world);
     } else {
-      count_instances(index, 1);
-      add_mesh(index, std::size_t(node.mesh), world);
+      if (find_extension(source, "EXT_mesh_gpu_instancing") != nullptr)
+        document_.warn(node_label(document_, index) + " instances a skinned mesh; its joints place it, once");
+      add_mesh(index, file, world);
     }
-    warn_of_pose(index);
   }
 
+  // An unlit surface shows its colour whatever light falls on it, and in the programs that such files come from neither
+  // shines nor throws a shadow: a dome with a picture of the sky must not put out the sun behind it.
+  void warn_of_unlit() {
+    for (const auto& [material, triangles] : unlit_triangles_)
+      document_.warn(fmt::format(
+          "{} is unlit: its surfaces neither shine, nor hide or receive light, and are left out ({} triangles)",
+          label("materials", std::size_t(material), document_.model.materials[std::size_t(material)].name), triangles));
+  }
+
+  std::vector<char> left_out_materials() const { return left_out_materials_; }
+
  private:
-  void warn_of_pose(std::size_t index) {
-    const tinygltf::Node& node = document_.model.nodes[index];
-    if (node.skin >= 0) document_.warn(node_label(document_, index) + " is skinned; its mesh is placed as modelled");
-    if (!node.weights.empty() && node.weights != document_.model.meshes[std::size_t(node.mesh)].weights)
-      document_.warn(node_label(document_, index) + " has morph weights of its own, which are ignored");
+  // Null where the node's skin places its mesh.
+  const json* find_instancing(std::size_t index) const {
+    if (document_.model.nodes[index].skin >= 0) return nullptr;
+    return find_extension(element(document_, "nodes", index), "EXT_mesh_gpu_instancing");
+  }
+
+  // A skinned mesh stands where its joints have put it, not under its node.
+  M44d stands_at(int primitive, const M44d& file, const M44d& world) const {
+    const std::optional<V3d>& origin = meshes_.world_origin[std::size_t(primitive)];
+    return origin ? M44d().setTranslation(*origin) * file : world;
   }
 
   // A few bytes of file can place any number: an accessor of zeros that instances a mesh, many nodes that share a
   // mesh of many primitives.
   void count_instances(std::size_t node, std::size_t count) {
-    const std::vector<int>& primitives = meshes_.of_mesh[std::size_t(document_.model.nodes[node].mesh)];
+    const std::vector<int>& primitives = meshes_.of_node[node];
     bytes_ += double(count) * double(primitives.size()) * bytes_per_instance;
     check_memory(document_.path, bytes_, "place fewer instances");
   }
 
-  // EXT_mesh_gpu_instancing: one instance an element, its transform before the node's.
-  std::vector<M44d> instance_matrices(std::size_t index, const json& extension) {
+  // EXT_mesh_gpu_instancing: one instance an element, its transform before the node's. Counted when first asked for.
+  const std::vector<M44d>& instance_matrices(std::size_t index, const json& extension) {
+    const auto known = instance_matrices_.find(index);
+    if (known != instance_matrices_.end()) return known->second;
+    return instance_matrices_[index] = read_instance_matrices(index, extension);
+  }
+
+  std::vector<M44d> read_instance_matrices(std::size_t index, const json& extension) {
     const std::string what = node_label(document_, index) + " (EXT_mesh_gpu_instancing)";
     const json& attributes = extension["attributes"];
     std::vector<V3f> translations;
@@ -116,17 +172,25 @@ class Placer {
     return matrices;
   }
 
-  void add_mesh(std::size_t node, std::size_t mesh, const M44d& world) {
+  void add_mesh(std::size_t node, const M44d& file, const M44d& world) {
+    for (const int primitive : meshes_.of_node[node]) {
+      if (const int unlit = meshes_.unlit[std::size_t(primitive)]; unlit != no_index) {
+        unlit_triangles_[unlit] += scene_.meshes[std::size_t(primitive)].triangles.size();
+        continue;
+      }
+      add_primitive(node, primitive, stands_at(primitive, file, world));
+    }
+  }
+
+  void add_primitive(std::size_t node, int primitive, const M44d& world) {
     const double sides[] = {row(world, 0).length(), row(world, 1).length(), row(world, 2).length()};
     const double volume = std::abs(row(world, 0).cross(row(world, 1)).dot(row(world, 2)));
     const bool flat =
         std::min({sides[0], sides[1], sides[2]}) < min_scale || volume < 1e-7 * sides[0] * sides[1] * sides[2];
-    for (const int primitive : meshes_.of_mesh[mesh]) {
-      Instance instance{primitive, to_float(world), int(node)};
-      if (flat && !add_flat_mesh(node, instance)) continue;
-      check_extent(node, instance);
-      scene_.instances.push_back(instance);
-    }
+    const M44d from_mesh = M44d().setTranslation(extent_.mesh_offset(primitive)) * world;
+    Instance instance{primitive, to_float(from_mesh), int(node)};
+    if (flat && !add_flat_mesh(node, instance)) return;
+    scene_.instances.push_back(instance);
   }
 
   // A transform that loses a dimension has no inverse, which shading and ray tracing need. What it
@@ -155,25 +219,7 @@ class Placer {
     return true;
   }
 
-  void check_extent(std::size_t node, const Instance& instance) {
-    if (local_bounds_.size() < scene_.meshes.size()) local_bounds_.resize(scene_.meshes.size());
-    Box3f& local = local_bounds_[std::size_t(instance.mesh)];
-    if (local.isEmpty())
-      for (const V3f& p : scene_.meshes[std::size_t(instance.mesh)].positions) local.extendBy(p);
-    for (int corner = 0; corner < 8; ++corner) {
-      const V3f p = V3f((corner & 1) != 0 ? local.max.x : local.min.x, (corner & 2) != 0 ? local.max.y : local.min.y,
-                        (corner & 4) != 0 ? local.max.z : local.min.z) *
-                    instance.to_world;
-      const bool good =
-          std::abs(p.x) <= max_coordinate_m && std::abs(p.y) <= max_coordinate_m && std::abs(p.z) <= max_coordinate_m;
-      if (!good)
-        document_.fail(
-            fmt::format("{} places its mesh farther out than {} m", node_label(document_, node), max_coordinate_m),
-            "scale the model down");
-    }
-  }
-
-  // Right-handed, without scale: neither zooms a camera, nor may it mirror the picture.
+  // Right-handed, without scale: a node neither zooms a camera, nor may it mirror the picture.
   void add_camera(std::size_t node, std::size_t index, const M44d& world) {
     const tinygltf::Camera& source = document_.model.cameras[index];
     const V3d z = row(world, 2).normalized();
@@ -197,7 +243,11 @@ class Placer {
     if (camera.perspective)
       camera.yfov_rad = float(source.perspective.yfov);
     else
-      camera.ymag_m = float(source.orthographic.ymag);
+      camera.ymag_m = float(source.orthographic.ymag * scale_);
+    camera.near_m = float((camera.perspective ? source.perspective.znear : source.orthographic.znear) * scale_);
+    // tinygltf has 0 where a perspective camera has no far plane.
+    const double far = camera.perspective ? source.perspective.zfar : source.orthographic.zfar;
+    if (far > 0) camera.far_m = float(far * scale_);
     scene_.cameras.push_back(camera);
   }
 
@@ -226,26 +276,55 @@ class Placer {
       scene_.lights.emplace_back(DirectionalLight{direction, strength});
     } else if (type == "spot") {
       SpotLight spot{position, direction, strength};
-      spot.inner_angle_rad = light["spot"].value("innerConeAngle", 0.0F);
-      spot.outer_angle_rad = light["spot"].value("outerConeAngle", pi / 4);
-      scene_.lights.emplace_back(spot);
+      if (read_cone(light["spot"], what, spot)) scene_.lights.emplace_back(spot);
     } else {
       document_.warn(what + " is of unknown type '" + type + "' and left out");
     }
+  }
+
+  // What exporters write beside the specification is mended: Blender has equal angles for a hard edge. False where the
+  // cone has no width.
+  bool read_cone(const json& source, const std::string& what, SpotLight& spot) {
+    constexpr double right_angle = 1.5707963267948966;
+    double outer = source.value("outerConeAngle", 0.25 * double(pi));
+    double inner = source.value("innerConeAngle", 0.0);
+    if (!(outer >= 1e-6)) {
+      document_.warn(what + " has a cone without width: it lights nothing and is left out");
+      return false;
+    }
+    if (outer > right_angle * (1 + 1e-6)) {
+      document_.warn(fmt::format("{} has an outer cone of {} rad; pi / 2, the most there is, is taken", what, outer));
+    }
+    outer = std::min(outer, right_angle);
+    if (inner >= outer) {
+      document_.warn(fmt::format("{} has an inner cone {} its outer one: its edge is taken as hard, at {} rad", what,
+                                 inner == outer ? "equal to" : "wider than", outer));
+    }
+    spot.outer_angle_rad = float(outer);
+    spot.inner_angle_rad = std::min(float(inner), spot.outer_angle_rad);
+    return true;
   }
 
   static V3d row(const M44d& m, int i) { return {m[i][0], m[i][1], m[i][2]}; }
 
   Document& document_;
   const MeshSet& meshes_;
+  double scale_;  // metres a unit of the file
   Scene& scene_;
-  std::vector<Box3f> local_bounds_;
-  double bytes_ = 0;  // of what is placed, here and in the ray tracer
+  Extent extent_;
+  std::map<std::size_t, std::vector<M44d>> instance_matrices_;  // [node]
+  std::map<int, std::size_t> unlit_triangles_;                  // by the file's material
+  std::vector<char> left_out_materials_;                        // [material]
+  double bytes_ = 0;                                            // of what is placed, here and in the ray tracer
 };
 
 }  // namespace
 
-void place_nodes(Document& document, const MeshSet& meshes, Scene& scene) {
+std::vector<char> place_nodes(Document& document, const MeshSet& meshes, const LoadParams& params, Scene& scene) {
+  double sphere_lights = 0;
+  for (std::size_t i = 0; i < document.model.nodes.size(); ++i)
+    sphere_lights += read_sphere_light(document, i, M44f()) ? 1 : 0;
+  check_memory(document.path, sphere_lights * bytes_per_sphere_light, "place fewer spherical lights");
   const std::vector<int> parents = find_parents(document);
   // Of all nodes, so that a broken one is found even where this scene does not use it.
   std::vector<M44d> locals;
@@ -254,24 +333,44 @@ void place_nodes(Document& document, const MeshSet& meshes, Scene& scene) {
     std::size_t node;
     M44d parent_world;
     bool visible;
+    bool left_out;
   };
-  std::vector<Open> open;
+  const std::vector<char> unwanted = find_nodes(document, params.without);
   const std::vector<int> roots = root_nodes(document, parents);
-  for (auto root = roots.rbegin(); root != roots.rend(); ++root) open.push_back({std::size_t(*root), M44d(), true});
   for (std::size_t i = 0; i < parents.size(); ++i)
     scene.nodes.push_back({document.model.nodes[i].name, parents[i], read_fiv_table(document, i)});
-  Placer placer(document, meshes, scene);
-  while (!open.empty()) {
-    const Open current = open.back();
-    open.pop_back();
-    const M44d world = locals[current.node] * current.parent_world;
-    const json* visibility = find_extension(element(document, "nodes", current.node), "KHR_node_visibility");
-    const bool visible = current.visible && (visibility == nullptr || visibility->value("visible", true));
-    placer.place(current.node, world, visible);
-    const std::vector<int>& children = document.model.nodes[current.node].children;
-    for (auto child = children.rbegin(); child != children.rend(); ++child)
-      open.push_back({std::size_t(*child), world, visible});
-  }
+  // visit(node, its transform, is it visible, is it left out), parents first; `file` is the transform of the file.
+  const auto walk = [&](const M44d& file, const auto& visit) {
+    std::vector<Open> open;
+    for (auto root = roots.rbegin(); root != roots.rend(); ++root)
+      open.push_back({std::size_t(*root), file, true, false});
+    while (!open.empty()) {
+      const Open current = open.back();
+      open.pop_back();
+      const M44d world = locals[current.node] * current.parent_world;
+      const json* visibility = find_extension(element(document, "nodes", current.node), "KHR_node_visibility");
+      const bool visible = current.visible && (visibility == nullptr || visibility->value("visible", true));
+      const bool left_out = current.left_out || unwanted[current.node] != 0;
+      visit(current.node, world, visible, left_out);
+      const std::vector<int>& children = document.model.nodes[current.node].children;
+      for (auto child = children.rbegin(); child != children.rend(); ++child)
+        open.push_back({std::size_t(*child), world, visible, left_out});
+    }
+  };
+  Placer placer(document, meshes, params, scene);
+  M44d file;
+  file.setScale(params.scale);
+  walk(file, [&](std::size_t node, const M44d& world, bool visible, bool left_out) {
+    placer.measure(node, file, world, visible, left_out);
+  });
+  scene.anchor_m = placer.choose_anchor();
+  // Taken off at the root, where files have the offset, it leaves what hangs below in small numbers.
+  for (int axis = 0; axis < 3; ++axis) file[3][axis] = -scene.anchor_m[axis] + 0.0;
+  walk(file, [&](std::size_t node, const M44d& world, bool visible, bool left_out) {
+    placer.place(node, file, world, visible, left_out);
+  });
+  placer.warn_of_unlit();
+  return placer.left_out_materials();
 }
 
 }  // namespace ivory::gltf

@@ -59,19 +59,16 @@ EnvironmentLight make_environment_light(const EnvironmentMap& map) {
   return light;
 }
 
-Rgb power_lm(const EnvironmentLight& light, const BoundingSphere& sphere) {
-  return light.radiance_integral * (pi * sphere.radius_m * sphere.radius_m);
-}
+Rgb power_lm(const EnvironmentLight& light, float entry_area_m2) { return light.radiance_integral * entry_area_m2; }
 
-// A direction of density p(w) and a uniform point of the disc that faces it (1/(pi R^2)) carry
-// L pi R^2 / p(w): the same luminance for every photon.
-EmittedPhoton emit(const EnvironmentLight& light, const BoundingSphere& sphere, RandomStream& random) {
+// A direction of density p(w) and a point of the discs that face it, which stands for the area A, carry L A / p(w): the
+// same luminance for every photon through one disc.
+EmittedPhoton emit(const EnvironmentLight& light, const EntryDiscs& discs, RandomStream& random) {
   const V3f w = sample_direction(light, random);
-  const ShadingFrame frame = make_shading_frame(w);
-  const V2f disc = sample_disc(random.next2()) * sphere.radius_m;
+  const Entry entry = sample(discs, w, make_shading_frame(w), random);
   const float pdf = pdf_solid_angle(light, w);
-  const Rgb power = pdf > 0 ? eval(*light.map, w) * (pi * sphere.radius_m * sphere.radius_m / pdf) : Rgb(0, 0, 0);
-  return {sphere.center + w * (2 * sphere.radius_m) + frame.x * disc.x + frame.y * disc.y, -w, power};
+  const Rgb power = pdf > 0 ? eval(*light.map, w) * (entry.area_m2 / pdf) : Rgb(0, 0, 0);
+  return {entry.origin, -w, power};
 }
 
 std::optional<LightSample> sample(const EnvironmentLight& light, RandomStream& random) {

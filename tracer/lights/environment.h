@@ -16,11 +16,11 @@ struct EnvironmentLight {
 // `map`, of at least 1 x 1 texels, must outlive the light.
 EnvironmentLight make_environment_light(const EnvironmentMap& map);
 
-// pi R^2 times the radiance integral, lumen per channel: what enters the bounding sphere.
-Rgb power_lm(const EnvironmentLight& light, const BoundingSphere& sphere);
+// That area times the radiance integral, lumen per channel: what enters through discs of it that face each direction.
+Rgb power_lm(const EnvironmentLight& light, float entry_area_m2);
 
-// One photon, from the disc over the sphere that faces its direction; its power is power_lm() in the mean.
-EmittedPhoton emit(const EnvironmentLight& light, const BoundingSphere& sphere, RandomStream& random);
+// One photon, through the discs that face its direction; its power is the flux through them in the mean.
+EmittedPhoton emit(const EnvironmentLight& light, const EntryDiscs& discs, RandomStream& random);
 // A direction in proportion to luminance; nothing where the map is black.
 std::optional<LightSample> sample(const EnvironmentLight& light, RandomStream& random);
 

@@ -7,6 +7,7 @@
 
 #include "tracer/core/intersector.h"
 #include "tracer/core/sampler.h"
+#include "tracer/lights/entry_discs.h"
 
 namespace ivory {
 
@@ -42,17 +43,35 @@ class Lights {
   Rgb total_power_lm() const;  // per channel; directional and environment light enter through the
                                // disc over the scene's bounding sphere
 
-  // Power (lm, strongest channel) that emit()'s photons carry, of the groups of lights with the strongest and with
-  // the weakest photons: what fixed-point sums are scaled by. A textured emitter's photons vary around it.
+  // Power (lm, strongest channel) that photons carry, of the groups of lights with the strongest and with the weakest
+  // photons: what fixed-point sums are scaled by. A textured emitter's photons vary around it. Of suns and skies it is
+  // that of photons on their way to the target of their emission; few come by way of what stands around it, and they
+  // carry up to heaviest_lm.
   struct PhotonPower {
     float strongest_lm = 0;
     float weakest_lm = 0;
+    float heaviest_lm = 0;
   };
-  PhotonPower photon_power() const;
 
-  // One photon, from a light picked as in sample(). Its power is the light's flux over the probability of that; black
-  // where nothing shines.
+  // How photons are sent out: how often each light is picked, and where light from afar enters.
+  class Emission {
+   public:
+    PhotonPower photon_power() const;
+    const EntryDiscs& discs() const;
+
+   private:
+    friend class Lights;
+    struct State;
+    std::shared_ptr<const State> state_;
+  };
+  // For that target. Suns and skies are picked by the flux that they send at it, not by that for the whole scene.
+  Emission emission(const std::optional<EmissionTarget>& target) const;
+
+  // One photon. Its power is the light's flux over the probability that it is picked with; black where nothing shines.
+  EmittedPhoton emit(const Emission& emission, RandomStream& random) const;
+  // The same without a target, picked as in sample().
   EmittedPhoton emit(RandomStream& random) const;
+  PhotonPower photon_power() const;
 
   // One light as seen from p, half by power and half evenly; nothing when that light cannot reach p
   // (behind an emitter's dark side, outside a spot's cone). Visibility is the caller's.

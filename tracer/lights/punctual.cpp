@@ -10,7 +10,9 @@ namespace ivory {
 namespace {
 
 // KHR_lights_punctual: the intensity at cosine c from the axis is I a(c)^2 with
-// a(c) = clamp((c - c_outer) / max(0.001, c_inner - c_outer), 0, 1).
+// a(c) = clamp((c - c_outer) / (c_inner - c_outer), 0, 1).
+// The extension's sample code has at least 0.001 for the difference, against division by zero: a cone of 2 degrees
+// would get a third of its intensity. Here the zone is as narrow as the file says, down to a millionth of the cone.
 // Kept as x = 1 - c, in double and without the difference: for a cone of 1e-4 rad 1 - cos is 5e-9, less than
 // float's spacing below 1.
 struct SpotCone {
@@ -27,7 +29,8 @@ double one_minus_cosine(float angle_rad) {
 SpotCone cone_of(const SpotLight& light) {
   SpotCone cone{};
   cone.outer = one_minus_cosine(light.outer_angle_rad);
-  cone.width = std::max(0.001, cone.outer - one_minus_cosine(light.inner_angle_rad));
+  constexpr double narrowest = 1e-6;
+  cone.width = std::max({cone.outer - one_minus_cosine(light.inner_angle_rad), narrowest * cone.outer, 1e-300});
   cone.rise = std::min(cone.width, cone.outer);
   return cone;
 }
@@ -46,22 +49,20 @@ float falloff(const SpotCone& cone, const V3f& axis, const V3f& w) {
 double plateau_integral(const SpotCone& cone) { return std::max(0.0, cone.outer - cone.width); }
 double rise_integral(const SpotCone& cone) { return cone.rise * cone.rise * cone.rise / (3 * cone.width * cone.width); }
 
-Rgb power_of(const PointLight& light, const BoundingSphere&) { return light.intensity_cd * (4 * pi); }
-Rgb power_of(const SpotLight& light, const BoundingSphere&) {
+Rgb power_of(const PointLight& light, float) { return light.intensity_cd * (4 * pi); }
+Rgb power_of(const SpotLight& light, float) {
   const SpotCone cone = cone_of(light);
   return light.intensity_cd * float(2 * double(pi) * (plateau_integral(cone) + rise_integral(cone)));
 }
-Rgb power_of(const DirectionalLight& light, const BoundingSphere& sphere) {
-  return light.illuminance_lux * (pi * sphere.radius_m * sphere.radius_m);
-}
+Rgb power_of(const DirectionalLight& light, float entry_area_m2) { return light.illuminance_lux * entry_area_m2; }
 
-EmittedPhoton emit_from(const PointLight& light, const BoundingSphere& sphere, RandomStream& random) {
-  return {light.position, sample_sphere(random.next2()), power_of(light, sphere)};
+EmittedPhoton emit_from(const PointLight& light, const EntryDiscs&, RandomStream& random) {
+  return {light.position, sample_sphere(random.next2()), power_of(light, 0)};
 }
 
 // Sampled in proportion to a^2, so every photon carries the whole flux. In the rising zone the
 // density in y = c - c_outer goes as y^2, whose inverse cumulative is a cube root.
-EmittedPhoton emit_from(const SpotLight& light, const BoundingSphere& sphere, RandomStream& random) {
+EmittedPhoton emit_from(const SpotLight& light, const EntryDiscs&, RandomStream& random) {
   const SpotCone cone = cone_of(light);
   const double plateau = plateau_integral(cone);
   const double u_zone = double(random.next()) * (plateau + rise_integral(cone));
@@ -71,15 +72,12 @@ EmittedPhoton emit_from(const SpotLight& light, const BoundingSphere& sphere, Ra
   const float sine = float(std::sqrt(x * (2 - x)));
   const float phi = 2 * pi * u.y;
   const V3f local(sine * std::cos(phi), sine * std::sin(phi), float(1 - x));
-  return {light.position, make_shading_frame(light.direction).to_world(local).normalized(), power_of(light, sphere)};
+  return {light.position, make_shading_frame(light.direction).to_world(local).normalized(), power_of(light, 0)};
 }
 
-EmittedPhoton emit_from(const DirectionalLight& light, const BoundingSphere& sphere, RandomStream& random) {
-  const ShadingFrame frame = make_shading_frame(light.direction);
-  const V2f disc = sample_disc(random.next2()) * sphere.radius_m;
-  // Twice the radius back: clear of the sphere despite rounding.
-  const V3f origin = sphere.center - light.direction * (2 * sphere.radius_m) + frame.x * disc.x + frame.y * disc.y;
-  return {origin, light.direction, power_of(light, sphere)};
+EmittedPhoton emit_from(const DirectionalLight& light, const EntryDiscs& discs, RandomStream& random) {
+  const Entry entry = sample(discs, -light.direction, make_shading_frame(light.direction), random);
+  return {entry.origin, light.direction, power_of(light, entry.area_m2)};
 }
 
 std::optional<LightSample> sample_from(const V3f& position, const Rgb& intensity, const V3f& p) {
@@ -107,12 +105,12 @@ std::optional<LightSample> sample_at(const DirectionalLight& light, const V3f&) 
 
 }  // namespace
 
-Rgb power_lm(const PunctualLight& light, const BoundingSphere& sphere) {
-  return std::visit([&](const auto& l) { return power_of(l, sphere); }, light);
+Rgb power_lm(const PunctualLight& light, float entry_area_m2) {
+  return std::visit([&](const auto& l) { return power_of(l, entry_area_m2); }, light);
 }
 
-EmittedPhoton emit(const PunctualLight& light, const BoundingSphere& sphere, RandomStream& random) {
-  return std::visit([&](const auto& l) { return emit_from(l, sphere, random); }, light);
+EmittedPhoton emit(const PunctualLight& light, const EntryDiscs& discs, RandomStream& random) {
+  return std::visit([&](const auto& l) { return emit_from(l, discs, random); }, light);
 }
 
 std::optional<LightSample> sample(const PunctualLight& light, const V3f& p) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "tracer/lights/lights.h"
+#include "tracer/lights/mesh_emission.h"
 
 namespace ivory {
 
@@ -17,23 +18,23 @@ struct TriangleLight {
   bool double_sided = false;
   int instance = no_index;
   int triangle = no_index;
-  Rgb mean_radiance;  // nits, coverage included, averaged over the triangle
+  Rgb mean_radiance;                       // nits, coverage included, averaged over the triangle
+  const MeshEmission* emission = nullptr;  // of its mesh
 };
 
-// All triangles of the scene whose material emits, in the order of instances and triangles;
-// those without area or with no light at all (black texels) are left out.
-std::vector<TriangleLight> make_triangle_lights(const Scene& scene);
+// One triangle of an instance; with area 0 or black it is no light. `emission` must outlive it.
+TriangleLight make_triangle_light(const Scene& scene, const MeshEmission& emission, int instance, int triangle);
 
 // pi A L in lumen per channel, from both sides where the material is double-sided.
 Rgb power_lm(const TriangleLight& light);
 
-// One photon from a uniform point, whose mean power is the light's flux.
+// One photon from a point of sample_point(), whose mean power is the light's flux.
 EmittedPhoton emit(const Scene& scene, const TriangleLight& light, RandomStream& random);
 
-// A uniform point of the triangle as seen from p; nothing from a side that does not emit.
+// Such a point of the triangle as seen from p; nothing from a side that does not emit.
 std::optional<LightSample> sample(const Scene& scene, const TriangleLight& light, const V3f& p, RandomStream& random);
 
 // pdf (1/sr) of that for the point at a barycentric; 0 from a side that does not emit.
-float pdf_solid_angle(const TriangleLight& light, const V3f& p, const V2f& barycentric);
+float pdf_solid_angle(const Scene& scene, const TriangleLight& light, const V3f& p, const V2f& barycentric);
 
 }  // namespace ivory

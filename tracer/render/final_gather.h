@@ -29,6 +29,7 @@ struct GatherParams {
   int max_specular_bounces = 16;
   // Only light with at least one more surface between its source and the first surface seen.
   bool indirect_only = false;
+  bool count_first_emission = true;  // what the first surface seen shines with
   DirectStrategy strategy = DirectStrategy::mis;
 };
 

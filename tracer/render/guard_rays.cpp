@@ -42,10 +42,12 @@ Footprint lookup_footprint(const IrradianceGrid& grid, const Intersector* inters
   assert(intersector != nullptr);
   float distance_m = nudge_m(grid.frame, params);
   V3f origin = offset_origin(p, ng, ng);
-  auto ahead = intersector->closest({.origin = origin, .direction = ng, .t_max = 2 * distance_m});
+  auto ahead = intersector->closest(
+      {.origin = origin, .direction = ng, .t_max = 2 * distance_m, .blocking_coverage = half_coverage});
   if (ahead && is_own_surface(intersector->scene(), *ahead, ahead->t, ng)) {
     origin = offset_origin(p, ng, ng, triangle_reach_m(intersector->scene(), ahead->instance, ahead->triangle));
-    ahead = intersector->closest({.origin = origin, .direction = ng, .t_max = 2 * distance_m});
+    ahead = intersector->closest(
+        {.origin = origin, .direction = ng, .t_max = 2 * distance_m, .blocking_coverage = half_coverage});
   }
   if (ahead) distance_m = std::min(distance_m, ahead->t / 2);
   const V3f nudged = origin + ng * distance_m;

@@ -73,7 +73,8 @@ Rgb trace_path(const LitScene& lit, const Ray& ray, const PathParams& params, Ra
   const std::optional<Hit> hit = lit.intersector.closest(ray);
   if (!hit) return params.indirect_only ? Rgb(0, 0, 0) : lit.lights.environment_radiance(ray.direction);
   const Surface surface = make_surface(*lit.scene, ray, *hit);
-  const Rgb emission = params.indirect_only ? Rgb(0, 0, 0) : surface.emission;
+  const bool emits = params.count_first_emission && !params.indirect_only;
+  const Rgb emission = emits ? surface.emission : Rgb(0, 0, 0);
   return emission + trace_scattered(lit, surface, -ray.direction, params, random);
 }
 

@@ -13,6 +13,7 @@ struct PathParams {
   int max_bounces = 1000;
   // Only light with at least one more surface between its source and the first surface seen.
   bool indirect_only = false;
+  bool count_first_emission = true;  // what the first surface seen shines with
   DirectStrategy strategy = DirectStrategy::mis;
 };
 

@@ -119,7 +119,7 @@ class NearestAlike {
 };
 
 std::vector<PhotonArrival> trace(const LitScene& lit, const PhotonMapParams& params) {
-  const PhotonTracer tracer(lit, {.max_bounces = params.max_bounces, .seed = params.seed});
+  const PhotonTracer tracer(lit, {.max_bounces = params.max_bounces, .seed = params.seed, .target = params.target});
   const std::uint64_t batches = (params.photons + photons_a_batch - 1) / photons_a_batch;
   const auto trace_batch = [&](std::uint64_t batch) {
     std::vector<PhotonArrival> arrivals;
@@ -252,6 +252,32 @@ void estimate(const Photons& photons, const Tree& tree, float reach_squared, con
 }
 
 }  // namespace
+
+std::optional<EmissionTarget> target_in_view(const Intersector& intersector, const View& view) {
+  constexpr int side = 32;
+  std::vector<V3f> seen;
+  for (int i = 0; i < side * side; ++i) {
+    const V2f at((float(i % side) + 0.5F) / side, (float(i / side) + 0.5F) / side);
+    const Ray ray = make_ray(view, V2f(at.x * float(view.width), at.y * float(view.height)));
+    if (const std::optional<Hit> hit = intersector.closest(ray)) seen.push_back(ray.origin + ray.direction * hit->t);
+  }
+  if (seen.empty()) return std::nullopt;
+  const auto middle = std::ptrdiff_t(seen.size() / 2);
+  const auto median = [&](auto values) {
+    std::nth_element(values.begin(), values.begin() + middle, values.end());
+    return values[std::size_t(middle)];
+  };
+  EmissionTarget target;
+  std::vector<float> values(seen.size());
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    std::transform(seen.begin(), seen.end(), values.begin(), [&](const V3f& p) { return p[axis]; });
+    target.center[axis] = median(values);
+  }
+  std::transform(seen.begin(), seen.end(), values.begin(), [&](const V3f& p) { return (p - target.center).length(); });
+  target.radius_m = 2 * median(values);
+  if (!(target.radius_m > 0)) return std::nullopt;
+  return target;
+}
 
 struct PhotonMap::State {
   std::size_t photons_stored = 0;

@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 
+#include "tracer/core/camera.h"
 #include "tracer/core/lit_scene.h"
 
 namespace ivory {
@@ -16,10 +18,14 @@ struct PhotonMapParams {
   int neighbours = 50;                // photons an estimate counts, at least 2
   int max_bounces = 1000;
   std::uint64_t seed = 1;
-  int threads = 0;  // 0: as many as TBB gives
+  int threads = 0;                                      // 0: as many as TBB gives
+  std::optional<EmissionTarget> target = std::nullopt;  // where it will be read; none: everywhere
   std::function<void(std::uint64_t done, std::uint64_t total)>
       progress;  // photons, then estimates, each photon and each estimate one; from any thread, one at a time
 };
+
+// The sphere of twice the median distance of what the picture shows around its middle; nothing where it shows nothing.
+std::optional<EmissionTarget> target_in_view(const Intersector& intersector, const View& view);
 
 // Indirect light only. Bits do not depend on threads.
 class PhotonMap {

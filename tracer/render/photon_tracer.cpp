@@ -38,10 +38,14 @@ PhotonLedger& PhotonLedger::operator+=(const PhotonLedger& other) {
   return *this;
 }
 
-PhotonTracer::PhotonTracer(const LitScene& lit, const PhotonParams& params) : lit_(lit), params_(params) {
-  // A photon carries about the total power; 2^-20 of it leaves 2^40 photons to the integers.
+PhotonTracer::PhotonTracer(const LitScene& lit, const PhotonParams& params)
+    : lit_(lit), params_(params), emission_(lit.lights.emission(params.target)) {
+  // A photon carries about the total power; 2^-20 of it leaves 2^40 photons to the integers. Past the scene's sphere
+  // more enters than the lights' power for the scene says.
   const Rgb power = lit.lights.total_power_lm();
-  ledger_unit_lm_ = std::max(double(power.x) + power.y + power.z, 1e-30) * 0x1p-20;
+  const EntryDiscs& discs = emission_.discs();
+  const double wider = discs.beyond_scene ? discs.radii_m.back() / double(discs.scene.radius_m) : 1;
+  ledger_unit_lm_ = std::max(double(power.x) + power.y + power.z, 1e-30) * std::max(1.0, wider * wider) * 0x1p-20;
 }
 
 template <typename OnSegment, typename OnArrival>
@@ -55,7 +59,7 @@ void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLed
 
   for (std::uint64_t index = begin; index < end; ++index) {
     RandomStream random(params_.seed, StreamPurpose::photon, index);
-    const EmittedPhoton photon = lit_.lights.emit(random);
+    const EmittedPhoton photon = lit_.lights.emit(emission_, random);
     Ray ray{.origin = photon.origin, .direction = photon.direction};
     Rgb power = photon.power;
     std::int64_t carried = units(power);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "tracer/core/lit_scene.h"
@@ -27,6 +28,7 @@ struct PhotonParams {
   int max_bounces = 1000;       // Russian roulette ends paths long before; this bounds the time in a mirror box
   bool include_direct = false;  // also segments and arrivals that come straight from a light
   std::uint64_t seed = 1;
+  std::optional<EmissionTarget> target = std::nullopt;  // where they are asked for; none: everywhere
 };
 
 // Where the power went, per photon traced, in units of `unit_lm` summed over rgb. Integers, so that
@@ -56,6 +58,8 @@ class PhotonTracer {
   // Lumen that one unit of a PhotonLedger stands for.
   double ledger_unit_lm() const { return ledger_unit_lm_; }
 
+  const Lights::Emission& emission() const { return emission_; }
+
  private:
   // Calls segment(ray, hit, power, jitter) for each segment and arrival(surface, power) where one ends at a surface.
   template <typename OnSegment, typename OnArrival>
@@ -64,6 +68,7 @@ class PhotonTracer {
 
   const LitScene& lit_;
   PhotonParams params_;
+  Lights::Emission emission_;
   double ledger_unit_lm_;
 };
 

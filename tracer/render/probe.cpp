@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cassert>
 #include <cmath>
 
 #include <tbb/parallel_for.h>
@@ -57,7 +56,6 @@ ProbeResult probe_point(const LitScene& lit, const ProbePoint& point, const Prob
 
 std::vector<ProbeResult> probe_scene(const LitScene& lit, const std::vector<ProbePoint>& points,
                                      const ProbeParams& params) {
-  assert(&scene == &*lit.scene);
   std::vector<ProbeResult> results(points.size());
   std::atomic<std::size_t> done{0};
   tbb::task_arena arena(params.threads > 0 ? params.threads : tbb::task_arena::automatic);

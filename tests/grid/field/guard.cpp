@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "grid/field/lookup.h"
+
 namespace ivory {
 namespace {
 
@@ -97,7 +99,27 @@ TEST(Footprint, TheLastEntriesOfTheLargestFootprintAreSeenOnTheirOwn) {
   visible.set(70);
   EXPECT_GT(restrict_footprint(grid, visible, f), 0);
   for (std::size_t i = 0; i < 72; ++i) EXPECT_NEAR(f.weight[i], i == 70 ? 1 : 0, 1e-6F) << i;
-  EXPECT_TRUE(visible_by_guard(grid, p, f).all());
+  EXPECT_TRUE(visible_by_guard(grid, p, V3f(0, 1, 0), 0, f).all());
+}
+
+// A wall with its inner face at x = 3.1, its outer at 3.3, past the outermost vertices. Those know of it; the layers
+// behind, more than a voxel away, do not.
+TEST(Lookup, TheOutsideOfAWallThatNoVertexSeesIsDark) {
+  IrradianceGrid grid = small_grid();
+  std::fill(grid.moments.begin(), grid.moments.end(), 1.0F);
+  grid.guard.assign(64, {});
+  for (std::size_t v = 3; v < 64; v += 4) grid.guard[v].words[0] = pack({V3f(1, 0, 0), 0.1F});
+  for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::tricubic}) {
+    for (const float y : {0.2F, 1.5F, 2.9F, 4.0F}) {
+      const LookupParams params{.guard = Guard::planes, .interpolation = interpolation};
+      const V3f out(1, 0, 0);
+      const Footprint footprint = lookup_footprint(grid, V3f(3.3F, y, 1.4F), out, params);
+      EXPECT_EQ(footprint.count, 0) << y;
+      EXPECT_EQ(irradiance_standard_error(grid, footprint), Rgb(0, 0, 0));
+      EXPECT_EQ(lookup_irradiance(grid, V3f(3.3F, y, 1.4F), out, out, params), Rgb(0, 0, 0)) << y;
+      EXPECT_NEAR(lookup_irradiance(grid, V3f(3.1F, y, 1.4F), -out, -out, params).x, 1, 1e-6F) << y;
+    }
+  }
 }
 
 TEST(GridFrame, VertexNumbersAndCoordinatesGoBothWays) {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/stability/scene_builder.h"
+#include "tests/support/emissive_texture.h"
 #include "tracer/bake/cubemap/capture.h"
 #include "tracer/render/probe.h"
 
@@ -119,6 +119,28 @@ TEST(CubeCapture, AgreesWithPathTracingAtTheReferencePoint) {
       // Noise of both, the map's well below the probe's, and the blur of the lamp's edge over texels.
       EXPECT_NEAR(e[c], truth[i].e[c], 5 * truth[i].standard_error[c] + 0.01F * truth[i].e[c]) << points[i].n;
     }
+  }
+}
+
+// A sign of four bright texels, smaller than a ray in a million would meet, and a panel of the same flux.
+TEST(CubeCapture, SmallEmittersAreSeen) {
+  for (const bool sign : {true, false}) {
+    Scene scene;
+    const int texture = add_texture(scene, 1024, 1024, [&](int x, int y) {
+      return !sign || (x % 512 == 100 && y % 512 == 300) ? Texel{255, 255, 255, 255} : Texel{0, 0, 0, 255};
+    });
+    add_panel(scene, 2, texture, Rgb(1, 2, 3) * (1000 / pi * (sign ? 0x1p18F : 1.0F)));
+    const LitScene traced = make_lit_scene(std::move(scene));
+    CaptureParams params;
+    params.size = 32;
+    params.samples = 16;
+    const LocalizedCube cube = localize(capture_cube(traced, V3f(0, 0, 0), params).cube, 32);
+    ProbeParams probe;
+    probe.samples = 20000;
+    const ProbeResult truth = probe_scene(traced, {{V3f(0, 0, 0), V3f(0, 1, 0)}}, probe)[0];
+    const Rgb e = irradiance(cube, CubeMethod::polygon, V3f(0, 0, 0), V3f(0, 1, 0));
+    // As many light samples as the probe's, and the place in a texel of 3 degrees.
+    for (int c = 0; c < 3; ++c) EXPECT_NEAR(e[c], truth.e[c], 6 * truth.standard_error[c] + 0.01F * truth.e[c]) << sign;
   }
 }
 

@@ -89,6 +89,46 @@ TEST_P(Leak, GuardsHold) {
   EXPECT_GT(leak(open, Guard::off), 0.05);  // the scene does test something
 }
 
+// Coarse grids have no vertex outside of a closed house, whose outer faces then must be dark; and nothing inside it may
+// be, nor in the seams along its edges.
+class OuterWalls : public testing::TestWithParam<std::tuple<const char*, int>> {};
+std::string outer_walls_name(const testing::TestParamInfo<OuterWalls::ParamType>& at) {
+  return std::string(std::get<0>(at.param)) + "_" + std::to_string(std::get<1>(at.param));
+}
+INSTANTIATE_TEST_SUITE_P(Rooms, OuterWalls,
+                         testing::Combine(testing::Values("two_rooms", "room_boxes"), testing::Values(8, 16)),
+                         outer_walls_name);
+
+TEST_P(OuterWalls, AreDark) {
+  const auto& [name, long_side] = GetParam();
+  const Baked baked(std::string(name) + ".gltf");
+  const Box3f box = bounds(*baked.lit.scene);
+  std::vector<SurfacePoint> outside;
+  for (int face = 0; face < 6; ++face) {
+    V3f n(0, 0, 0);
+    n[face / 2] = face % 2 == 0 ? -1.0F : 1.0F;
+    for (int i = 0; i < 64; ++i) {
+      V3f p = box.center();
+      p[face / 2] = n[face / 2] < 0 ? box.min[face / 2] : box.max[face / 2];
+      p[(face / 2 + 1) % 3] += (float(i % 8) / 7 - 0.5F) * 0.99F * box.size()[(face / 2 + 1) % 3];
+      p[(face / 2 + 2) % 3] += (float(i / 8) / 7 - 0.5F) * 0.99F * box.size()[(face / 2 + 2) % 3];
+      outside.push_back({p, n});
+    }
+  }
+  const IrradianceGrid grid = baked.bake(long_side, Basis::vectors, Guard::rays, 60'000);
+  const IrradianceGrid open = baked.bake(long_side, Basis::vectors, Guard::off, 60'000);
+  EXPECT_GT(baked.mean_irradiance(open, Guard::off, outside), 0.05);  // lux: the scene does test something
+  for (const Guard guard : {Guard::rays, Guard::planes})
+    EXPECT_EQ(baked.mean_irradiance(grid, guard, outside), 0) << name_of(guard);
+  if (std::string(name) != "room_boxes") return;
+  const std::vector<SurfacePoint> inside = read_points("room_boxes_points.csv");
+  for (const Guard guard : {Guard::rays, Guard::planes}) {
+    const double mean = baked.mean_irradiance(grid, guard, inside);
+    for (const SurfacePoint& at : inside)
+      EXPECT_GT(baked.mean_irradiance(grid, guard, {at}), mean / 20) << at.p << " " << name_of(guard);
+  }
+}
+
 // Indirect E over the surfaces of a furnished room against path-traced truth.
 class FurnishedRoom : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Rooms, FurnishedRoom, testing::Values("room_boxes", "room_boxes_rotated"));

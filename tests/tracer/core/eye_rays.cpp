@@ -1,9 +1,12 @@
 // Eye rays pass through the back faces of single-sided materials; all other rays meet both sides.
+#include <limits>
 #include <optional>
+#include <utility>
 
 #include <gtest/gtest.h>
 
 #include "tools/stability/scene_builder.h"
+#include "tracer/core/camera.h"
 #include "tracer/core/intersector.h"
 
 namespace ivory {
@@ -55,6 +58,64 @@ TEST(EyeRays, KnowTheFrontOfMirroredNodes) {
     EXPECT_EQ(meet(intersector, 0, -2, true), std::nullopt) << instanced;
     EXPECT_EQ(meet(intersector, 4, 2, true), std::nullopt) << instanced;
     EXPECT_NEAR(meet(intersector, 4, -2, true).value_or(0), 2, rounding) << instanced;
+  }
+}
+
+// Planes across the direction of view, not spheres: a near plane 1.5 m away hides a square at 1 m to its corners and
+// shows one at 2 m, where the far plane at 2.5 m lets it.
+TEST(EyeRays, StartAtTheNearPlaneAndEndAtTheFarOne) {
+  Scene scene;
+  const int material = add_lambert(scene, Rgb(0.5F));
+  const auto wall = [&](float z) { return make_quad({-5, -5, z}, {10, 0, 0}, {0, 10, 0}, material); };
+  for (const float z : {-1.0F, -2.0F, -3.0F}) add_mesh(scene, wall(z));
+  const Intersector intersector(scene);
+  for (const bool perspective : {true, false}) {
+    Camera camera;
+    camera.perspective = perspective;
+    camera.yfov_rad = 1.5F;
+    const auto depth = [&](float near_m, float far_m, const V2f& pixel) {
+      camera.near_m = near_m;
+      camera.far_m = far_m;
+      const View view = make_view("test", camera, 16, 16);
+      const Ray ray = make_ray(view, pixel);
+      const std::optional<Hit> hit = intersector.closest(ray);
+      return hit ? hit->t * ray.direction.dot(view.forward) : 0.0F;
+    };
+    const float infinite = std::numeric_limits<float>::infinity();
+    for (const V2f& pixel : {V2f(8, 8), V2f(0.1F, 0.1F), V2f(15.9F, 3)}) {
+      EXPECT_NEAR(depth(0, infinite, pixel), 1, 1e-5F);
+      EXPECT_NEAR(depth(0.99F, 10, pixel), 1, 1e-5F);
+      EXPECT_NEAR(depth(1.5F, 2.5F, pixel), 2, 1e-5F);
+      EXPECT_NEAR(depth(2.5F, infinite, pixel), 3, 1e-5F);
+      EXPECT_EQ(depth(2.1F, 2.9F, pixel), 0);
+      EXPECT_EQ(depth(0, 0.9F, pixel), 0);
+    }
+  }
+}
+
+// A room whose walls are 0.4 m thick, as two boxes: fronts outside and, of the inner one, inwards.
+TEST(EyeRays, AnEyeInsideAWallIsDoubted) {
+  for (const bool double_sided : {false, true}) {
+    Scene scene;
+    const int material = add_lambert(scene, Rgb(0.5F), Rgb(0, 0, 0), double_sided);
+    add_mesh(scene, make_room(V3f(-2, -2, -2), V3f(2, 2, 2), material));
+    Mesh outside = make_room(V3f(-2.4F, -2.4F, -2.4F), V3f(2.4F, 2.4F, 2.4F), material);
+    for (auto& t : outside.triangles) std::swap(t.y, t.z);
+    for (V3f& n : outside.normals) n = -n;
+    add_mesh(scene, outside);
+    const Intersector intersector(scene);
+    const auto doubt = [&](const V3f& eye, float near_m) {
+      Camera camera;
+      camera.to_world.setTranslation(eye);
+      camera.near_m = near_m;
+      return doubt_about(intersector, make_view("test", camera, 16, 12), "eye").has_value();
+    };
+    EXPECT_EQ(doubt(V3f(0, 0, 2.2F), 0), !double_sided) << "its backs are seen where they are double-sided";
+    EXPECT_FALSE(doubt(V3f(0, 0, 2.2F), 0.5F)) << "the near plane cuts the wall away";
+    EXPECT_FALSE(doubt(V3f(0, 0, 0), 0));
+    EXPECT_FALSE(doubt(V3f(0, 0, 6), 0));
+    EXPECT_GT(look_around(intersector, V3f(0, 0, 2.2F)).back_share, 0.99);
+    EXPECT_LT(look_around(intersector, V3f(0, 0, 0)).back_share, 0.01);
   }
 }
 

@@ -8,6 +8,8 @@
 
 #include "grid/base/error.h"
 #include "tests/support/gltf_check.h"
+#include "tracer/core/intersector.h"
+#include "tracer/core/lit_scene.h"
 #include "tracer/core/texture.h"
 
 namespace ivory {
@@ -326,6 +328,32 @@ TEST(GltfMaterials, TangentsFollowTheTexture) {
   for (const auto& t : mesh.triangles) EXPECT_EQ(mesh.tangents[t.x].w, mesh.tangents[t.y].w);
   EXPECT_NE(mesh.tangents[mesh.triangles[0].x].w, mesh.tangents[mesh.triangles[1].x].w);
   EXPECT_EQ(mesh.positions.size(), 6U);
+}
+
+// An unlit dome around a lit square: the sun reaches it, and its box is the scene's. Emission that the file gives it
+// besides is none either (KHR_materials_unlit).
+TEST(GltfMaterials, UnlitSurfacesNeitherHideNorShine) {
+  GltfBuilder builder;
+  builder.use_extension("KHR_materials_unlit");
+  builder.root["materials"] = {
+      {{"name", "sky"}, {"emissiveFactor", {1, 1, 1}}, {"extensions", {{"KHR_materials_unlit", json::object()}}}}};
+  const int ground = builder.add_triangle_mesh();
+  const int dome = builder.add_triangle_mesh();
+  builder.root["meshes"][std::size_t(dome)]["primitives"][0]["material"] = 0;
+  builder.add_node({{"mesh", ground}});
+  builder.add_node({{"mesh", dome}, {"scale", {100, 100, 1}}, {"translation", {-20, -20, 3}}});
+  builder.add_node({{"mesh", dome}, {"scale", {100, 100, 1}}, {"translation", {-20, -20, -3}}});
+  const LoadedScene loaded = load(builder, "dome");
+  EXPECT_TRUE(has_warning(loaded, "materials[0] 'sky' is unlit"));
+  EXPECT_TRUE(has_warning(loaded, "(2 triangles)"));
+  EXPECT_EQ(loaded.warnings.size(), 1U);
+  EXPECT_EQ(loaded.scene.instances.size(), 1U);
+  EXPECT_EQ(bounds(loaded.scene).max, V3f(1, 1, 0));
+  EXPECT_FALSE(make_lit_scene(loaded.scene).lights.has_extended());
+  Ray up;
+  up.origin = V3f(0.2F, 0.2F, 0.1F);
+  up.direction = V3f(0, 0, 1);
+  EXPECT_EQ(Intersector(loaded.scene).transmittance(up), 1);
 }
 
 }  // namespace

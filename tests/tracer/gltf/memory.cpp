@@ -133,5 +133,30 @@ TEST(GltfMemory, InstancesAreWeighedBeforeTheyArePlaced) {
   EXPECT_NE(error_of(nodes, "nodes").find("place fewer instances"), std::string::npos);
 }
 
+// A hundred bytes of file become a mesh of 5120 triangles.
+TEST(GltfMemory, SphericalLightsAreWeighedBeforeTheyArePlaced) {
+  GltfBuilder builder;
+  const int p = builder.add({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
+  builder.root["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", p}}}}}}}};
+  builder.add_node({{"mesh", 0}});
+  for (int i = 0; i < 2000; ++i)
+    builder.add_node({{"extras", {{"ivory_sphere_light", {{"radius", 1}, {"radiance", {1, 1, 1}}}}}}});
+  const LoweredLimit limit(4 * 0x1p30);
+  const std::string error = error_of(builder, "spheres");
+  EXPECT_NE(error.find("place fewer spherical lights"), std::string::npos) << error;
+}
+
+// A mesh of zeros, which take no bytes in the file, by a thousand nodes that each pose it in their own way.
+TEST(GltfMemory, PosesAreWeighedBeforeTheyAreMade) {
+  GltfBuilder builder;
+  const int zeros = builder.add_accessor("VEC3", 5126, 300'000, -1);
+  builder.add_mesh({{"attributes", {{"POSITION", zeros}}}, {"targets", {{{"POSITION", zeros}}}}});
+  for (int i = 0; i < 1000; ++i) builder.add_node({{"mesh", 0}, {"weights", {0.001 * i + 0.1}}});
+  const LoweredLimit limit(8e9);
+  const std::string error = error_of(builder, "poses");
+  EXPECT_NE(error.find("GiB of memory"), std::string::npos) << error;
+  EXPECT_NE(error.find("pose fewer meshes"), std::string::npos) << error;
+}
+
 }  // namespace
 }  // namespace ivory

@@ -93,11 +93,8 @@ TEST(Lights, TexturedEmission) {
   scene.materials[0].emission_texture.texture = 0;
   const LitScene lit = in_black_box(std::move(scene));
   const Rgb power = lit.lights.total_power_lm();
-  // The quadrature has 4 steps an edge and cells that texel edges cut: 5 % of the power, which only guides
-  // the choice among lights. Green is untextured.
-  EXPECT_NEAR(power.x, 10 * pi * 3 * 0.5F, 0.05F * 10 * pi * 3);
+  EXPECT_NEAR(power.x, 10 * pi * 3 * 0.5F, 1e-5F * 10 * pi * 3);
   EXPECT_NEAR(power.y, 5 * pi * 3, 1e-4F * power.y);
-  // Estimators do not rest on the quadrature.
   RandomStream random = test_stream();
   Accumulator mean;
   for (int i = 0; i < 200000; ++i) mean.add(double(lit.lights.emit(random).power.x));

@@ -47,11 +47,37 @@ TEST(Lights, PointLight) {
   EXPECT_NEAR(e.mean(), 2.0 / 4.0, 1e-6);
 }
 
+// A hard edge: all of the intensity up to the angle, none beyond, and its flux 2 pi I (1 - cos), however narrow.
+TEST(Lights, SpotsWithHardEdges) {
+  for (const float angle : {1.5F, 0.5F, 0.03F, 0.003F}) {
+    SpotLight spot;
+    spot.position = V3f(0.3F, 0.2F, -0.1F);
+    spot.direction = V3f(0, 0, 1);
+    spot.intensity_cd = Rgb(7, 7, 7);
+    spot.inner_angle_rad = spot.outer_angle_rad = angle;
+    Scene scene;
+    scene.lights.push_back(spot);
+    const LitScene lit = in_black_box(std::move(scene));
+    RandomStream random = test_stream();
+    for (const float share : {0.0F, 0.5F, 0.999F, 1.001F, 1.5F}) {
+      const float a = share * angle;
+      const V3f p = spot.position + V3f(std::sin(a), 0, std::cos(a)) * 2;
+      const auto sample = lit.lights.sample(p, random);
+      EXPECT_EQ(sample.has_value(), share < 1) << angle << " " << share;
+      if (sample) {
+        EXPECT_NEAR(sample->irradiance_weight.x, 7.0F / 4, 1e-4F) << angle << " " << share;
+      }
+    }
+    const double flux = 7 * 2 * double(pi) * 2 * std::pow(std::sin(0.5 * double(angle)), 2);
+    EXPECT_NEAR(lit.lights.total_power_lm().x, flux, 1e-5 * flux) << angle;
+  }
+}
+
 TEST(Lights, SpotLight) {
   struct Cone {
     float inner, outer;
   };
-  for (const Cone cone : {Cone{0.2F, 0.7F}, Cone{0, pi / 2}, Cone{0.5F, 0.5F}, Cone{0, 0.02F}}) {
+  for (const Cone cone : {Cone{0.2F, 0.7F}, Cone{0, pi / 2}, Cone{0.5F, 0.5F}, Cone{0, 0.02F}, Cone{0.03F, 0.03F}}) {
     SpotLight spot;
     spot.position = V3f(0, 0, 0);
     spot.direction = V3f(1, -2, 0.5F).normalized();
@@ -59,7 +85,7 @@ TEST(Lights, SpotLight) {
     spot.inner_angle_rad = cone.inner;
     spot.outer_angle_rad = cone.outer;
     // Flux by quadrature of the specification's own formula.
-    const double width = std::max(0.001, std::cos(double(cone.inner)) - std::cos(double(cone.outer)));
+    const double width = std::max(1e-9, std::cos(double(cone.inner)) - std::cos(double(cone.outer)));
     double sum = 0;
     constexpr int steps = 200000;
     for (int i = 0; i < steps; ++i) {
@@ -105,7 +131,7 @@ TEST(Lights, SpotLight) {
     // On the axis and half way between the angles.
     const V3f p = spot.direction * 2;
     const double expected_e = 3.0 / 4 * std::pow(std::min(1.0, (1 - lowest) / width), 2);
-    // A float cosine near 1 is good to 6e-8, of a zone that may be only 0.001 wide.
+    // A float cosine near 1 is good to 6e-8, of a zone that may be only 2e-4 wide.
     EXPECT_NEAR(irradiance_samples(lit.lights, p, -spot.direction, 4).mean(), expected_e, 1e-3 * expected_e);
     const V3f outside =
         make_shading_frame(spot.direction).to_world(direction_at_cosine(std::cos(cone.outer + 0.01F), 0.3F));

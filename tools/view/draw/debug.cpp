@@ -32,7 +32,7 @@ constexpr const char* bracket_shader = R"(
 vec3 ivory_output(IvorySurface s) {
   vec3 m[12];
   ivory_lookup_moments(ivory_grid, ivory_grid_volumes, ivory_grid_trust, ivory_grid_guard,
-                       s.p + s.ng * ivory_grid.nudge_m, s.ns, m);
+                       s.p + s.ng * ivory_grid.nudge_m, s.ng, s.ns, m);
   vec3 lower, upper;
   ivory_irradiance_bracket(m, s.ns * ivory_grid.local_to_world, lower, upper);
   const vec3 weights = vec3(0.2126, 0.7152, 0.0722);
@@ -49,7 +49,7 @@ vec3 ivory_output(IvorySurface s) {
   IvoryGrid g = ivory_grid;
   vec3 index = ivory_grid_to_index(g, s.p + s.ng * g.nudge_m);
   IvoryFootprint footprint = ivory_make_footprint(g, index, IVORY_GRID_INTERPOLATION);
-  return vec3(ivory_visible_by_guard(g, ivory_grid_trust, ivory_grid_guard, index, footprint,
+  return vec3(ivory_visible_by_guard(g, ivory_grid_trust, ivory_grid_guard, index, s.ng, footprint,
                                      ivory_footprint_count(footprint)).kept);
 }
 )";
@@ -62,7 +62,7 @@ vec3 ivory_output(IvorySurface s) {
   ivory_grid_unguarded(ivory_grid, ivory_grid_volumes, ivory_grid_trust, index, off);
   ivory_grid_decode(ivory_grid, s.ns, off);
   vec3 on[12];
-  ivory_grid_guarded(ivory_grid, ivory_grid_volumes, ivory_grid_trust, ivory_grid_guard, index, on);
+  ivory_grid_guarded(ivory_grid, ivory_grid_volumes, ivory_grid_trust, ivory_grid_guard, index, s.ng, on);
   ivory_grid_decode(ivory_grid, s.ns, on);
   return ivory_grid_irradiance(ivory_grid, off, s.ns) - ivory_grid_irradiance(ivory_grid, on, s.ns);
 }

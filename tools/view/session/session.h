@@ -10,6 +10,7 @@
 #include "runtime/assets/fiv.h"
 #include "tools/cli/common.h"
 #include "tools/input/environment.h"
+#include "tools/input/scene.h"
 #include "tools/view/session/assets.h"
 #include "tools/view/session/settings.h"
 #include "tools/view/world/world.h"
@@ -33,6 +34,8 @@ struct ViewSession {
   ViewSettings settings;
   const ViewAsset* debug_grid = nullptr;  // that debug views show
   std::optional<ReferencePicture> reference;
+  SceneOptions load;                                           // of the scene, and of objects that join it
+  Metadata scene_facts;                                        // what assets know the scene by: SceneInput::origin
   std::vector<std::pair<const ViewAsset*, V3f>> lobes_placed;  // lobe tables and sphere sets, where they were last
   std::string environment;                                     // name without folders; empty: none
   std::string environment_hash;                                // of its file
@@ -44,6 +47,7 @@ struct ViewSession {
 
 struct SessionInput {
   std::string scene;
+  SceneOptions load;
   EnvironmentChoice environment;
   std::string camera;                  // name or index; empty: as ivory render chooses
   Imath::V2i size{640, 480};           // of the picture
@@ -52,7 +56,7 @@ struct SessionInput {
   std::vector<std::string> assets;     // files of any kind
   std::vector<std::string> occluders;  // NODE=TABLE.exr: objects and the tables they were baked into
   std::vector<std::string> spheres;    // sphere sets: FILE.json or FILE.json@X,Y,Z
-  std::vector<SphereLight> sphere_lights;
+  std::vector<SphereLightOption> sphere_lights;
 };
 
 // Loads all. Throws UsageError for texts that say nothing, Error for files that cannot be read or drawn.

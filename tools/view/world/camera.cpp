@@ -105,6 +105,9 @@ ViewCamera frame_sphere(const ViewCamera& view, const V3f& center, float radius_
   moved.pivot_distance_m = view.camera.perspective ? radius / std::sin(half) : 2 * radius;
   set_eye(moved.camera, center - forward(view) * moved.pivot_distance_m);
   if (!view.camera.perspective) moved.camera.ymag_m = radius / std::min(1.0F, aspect);
+  // All of the sphere is to be seen.
+  moved.camera.near_m = 0;
+  moved.camera.far_m = std::numeric_limits<float>::infinity();
   return moved;
 }
 
@@ -122,9 +125,11 @@ ViewMatrices view_matrices(const std::string& file, const Camera& camera, int wi
 
   const float middle = (center - v.origin).dot(v.forward);
   const float margin = 1.01F * radius_m + 1e-6F;
-  const float far = std::max(middle + margin, 2e-6F);
-  // A thousandth of the far plane's distance leaves 24 bits of depth a step of 1e-4 of the depth there.
-  const float near = v.perspective ? std::max(middle - margin, 1e-3F * far) : middle - margin;
+  const float far = std::min(std::max(middle + margin, 2e-6F), camera.far_m);
+  // A thousandth of the far plane's distance leaves 24 bits of depth a step of 1e-4 of the depth there. A camera's own
+  // near plane may lie behind all that there is.
+  const float least = v.perspective ? std::max(middle - margin, 1e-3F * far) : middle - margin;
+  const float near = std::min(std::max(least, camera.near_m), far - 1e-3F * std::abs(far));
   const float half_width = v.right.length();
   const float half_height = v.up.length();
   const float dx = 2 * shift.x / float(width);

@@ -24,6 +24,54 @@ struct RowShares {
   double back = 0;
 };
 
+// A sign of a few bright texels, a lamp far away: emitters so small that the rays through the texels miss them, and
+// that light samples find. What covers fewer than four texels, by the density of a light sample there, is counted by
+// light samples and left out by rays; what covers more is seen by rays alone, without the noise of choosing.
+class SmallEmitters {
+ public:
+  SmallEmitters(const LitScene& lit, const V3f& origin, const CaptureParams& params)
+      : lit_(lit), origin_(origin), params_(params), count_(1024.0 * params.samples), any_(lit.lights.has_extended()) {}
+
+  // Is what a ray from the origin meets counted by light samples?
+  bool counted_for(const Ray& ray) const {
+    if (!any_) return false;
+    const std::optional<Hit> hit = lit_.intersector.closest(ray);
+    return hit && by_light(ray.direction, lit_.lights.pdf_solid_angle(origin_, *hit));
+  }
+
+  void add_to(CubeMap& map) const {
+    if (!any_) return;
+    for (int k = 0; k < int(count_); ++k) {
+      RandomStream random(params_.seed, StreamPurpose::capture, map.texels.size() + std::size_t(k));
+      const std::optional<LightSample> s = lit_.lights.sample(origin_, random);
+      if (!s || s->delta || !std::isfinite(s->distance_m) || !by_light(s->w, s->pdf_solid_angle)) continue;
+      const V3f to_end = offset_origin(s->point, s->ng, -s->w, s->reach_m) - origin_;
+      const float distance = to_end.length();
+      Ray shadow{.origin = origin_, .direction = to_end / distance, .t_max = distance};
+      const std::size_t texel = cube_texel(map.size, s->w);
+      const int in_face = int(texel % (std::size_t(map.size) * std::size_t(map.size)));
+      const double solid_angle = cube_texel_solid_angle(map.size, in_face / map.size, in_face % map.size);
+      const Rgb radiance =
+          s->irradiance_weight * (lit_.intersector.transmittance(shadow) / float(count_ * solid_angle));
+      for (int c = 0; c < 3; ++c)
+        map.texels[texel][c] = std::min(map.texels[texel][c] + radiance[c], greatest_radiance_nits);
+    }
+  }
+
+ private:
+  // Rays are even over a texel of a face of side 2 at distance 1: dw = dA m^3 with m the largest component of w.
+  bool by_light(const V3f& w, float pdf_light) const {
+    const double m = double(std::max({std::abs(w.x), std::abs(w.y), std::abs(w.z)}));
+    return 4 * double(pdf_light) > 0.25 * params_.size * params_.size / (m * m * m);
+  }
+
+  const LitScene& lit_;
+  V3f origin_;
+  const CaptureParams& params_;
+  double count_;
+  bool any_;
+};
+
 }  // namespace
 
 Capture capture_cube(const LitScene& lit, const V3f& origin, const CaptureParams& params) {
@@ -34,12 +82,12 @@ Capture capture_cube(const LitScene& lit, const V3f& origin, const CaptureParams
   Capture capture;
   CapturedCube& cube = capture.cube;
   cube.origin_m = origin;
+  cube.anchor_m = lit.scene->anchor_m;
   cube.radiance.size = size;
   cube.radiance.texels.resize(texels);
   cube.inverse_distance.resize(texels);
 
-  const PathParams path;
-  const GatherParams gather;
+  const SmallEmitters small(lit, origin, params);
   const auto ray_through = [&](int face, double row, double column, RandomStream& random) {
     Ray ray;
     ray.origin = origin;
@@ -56,6 +104,9 @@ Capture capture_cube(const LitScene& lit, const V3f& origin, const CaptureParams
       random.begin_sample(std::uint32_t(k), key, even_calls);
       const V2f u = random.next2();
       const Ray ray = ray_through(face, double(row) + double(u.y), double(column) + double(u.x), random);
+      const bool emits = !small.counted_for(ray);
+      const PathParams path{.count_first_emission = emits};
+      const GatherParams gather{.count_first_emission = emits};
       const Rgb radiance = params.grid != nullptr ? trace_gather(lit, *params.grid, ray, gather, random)
                                                   : trace_path(lit, ray, path, random);
       for (int c = 0; c < 3; ++c) sum[c] += double(radiance[c]);
@@ -90,6 +141,7 @@ Capture capture_cube(const LitScene& lit, const V3f& origin, const CaptureParams
       if (params.progress) params.progress(double(finished) / double(rows));
     });
   });
+  small.add_to(cube.radiance);
   for (const RowShares& row : shares) {
     capture.sky_share += row.sky / (4 * double(pi));
     capture.back_share += row.back / (4 * double(pi));

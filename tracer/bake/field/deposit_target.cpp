@@ -8,8 +8,21 @@
 
 namespace ivory {
 
+namespace {
+
+// A photon 2^h times as heavy as the unit's adds 2^(18 + fine_bits + 2 h) to a second moment, of which 2^58 is left
+// room for 32. Photons beyond h = 18 are not reckoned with: of 10^11 one may come (tracer/lights/entry_discs.cpp: it
+// starts 500 radii away), and its error is then understated.
+int coarser_bits(float power_lm, float heaviest_lm, int fine_bits) {
+  if (!(heaviest_lm > power_lm) || !(power_lm > 0)) return 0;
+  const int h = std::min(18, int(std::ceil(std::log2(double(heaviest_lm) / double(power_lm)))));
+  return std::max(0, 18 + fine_bits + 2 * h - 58);
+}
+
+}  // namespace
+
 DepositTarget make_deposit_target(const GridFrame& frame, Basis basis, Estimator estimator, float power_lm,
-                                  std::vector<std::uint64_t> cell_masks, int fine_bits) {
+                                  std::vector<std::uint64_t> cell_masks, int fine_bits, float heaviest_lm) {
   DepositTarget target;
   target.frame = frame;
   target.basis = basis;
@@ -18,7 +31,7 @@ DepositTarget make_deposit_target(const GridFrame& frame, Basis basis, Estimator
   const double mean_spacing_m = (double(frame.spacing_m.x) + double(frame.spacing_m.y) + double(frame.spacing_m.z)) / 3;
   const double unit = double(power_lm) * (estimator == Estimator::track ? mean_spacing_m : 1.0);
   target.quantum = std::ldexp(unit, -18 - fine_bits);
-  target.quantum_squared = std::ldexp(unit * unit, -18 - fine_bits);
+  target.quantum_squared = std::ldexp(unit * unit, -18 - fine_bits + coarser_bits(power_lm, heaviest_lm, fine_bits));
   target.fine_bits = fine_bits;
   target.cell_masks = std::move(cell_masks);
   assert(target.cell_masks.size() == frame.vertex_count());

@@ -31,9 +31,10 @@ struct DepositTarget {
 
 // Sizes the sums and picks the quanta: a photon of `power_lm` (its strongest channel) crossing one voxel
 // is 2^18 coarse units, which leaves rounding far below the photon noise even for channels and direction
-// components 10,000 times weaker.
+// components 10,000 times weaker. Where few photons may carry up to heaviest_lm, the quanta of second moments are
+// larger, as far as that lets 64 bits hold theirs.
 DepositTarget make_deposit_target(const GridFrame& frame, Basis basis, Estimator estimator, float power_lm,
-                                  std::vector<std::uint64_t> cell_masks, int fine_bits = 0);
+                                  std::vector<std::uint64_t> cell_masks, int fine_bits = 0, float heaviest_lm = 0);
 
 // The fine bits that a scene's lights ask for. Where a sun shines into a scene, the photons of a lamp indoors may
 // carry a millionth of the strongest power: rounded to 2^-18 of that, the lamp's room would be dark, not noisy. 12

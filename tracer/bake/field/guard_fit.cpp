@@ -35,7 +35,8 @@ Samples trace_samples(const Intersector& intersector, const GridFrame& frame, co
     const V3f path = target - eye;
     const float length = path.length();
     const V3f direction = path / length;
-    const auto hit = intersector.closest({.origin = eye, .direction = direction, .t_max = length});
+    const auto hit = intersector.closest(
+        {.origin = eye, .direction = direction, .t_max = length, .blocking_coverage = half_coverage});
     if (!hit) return;
     // The surface's plane in index space: positions divide by the spacing, normals multiply.
     const V3f ng = hit->ng.dot(direction) > 0 ? hit->ng : -hit->ng;

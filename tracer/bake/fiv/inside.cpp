@@ -49,6 +49,7 @@ std::vector<char> find_inside(const Intersector& object, const std::vector<V3f>&
       Ray ray;
       ray.origin = positions[i];
       ray.direction = test_direction(k);
+      ray.blocking_coverage = half_coverage;
       const std::optional<Hit> hit = object.closest(ray);
       if (hit && out_side * hit->ng.dot(ray.direction) > 0) ++inner;
     }

@@ -160,6 +160,7 @@ constexpr Field node[] = {
     {.name = "camera", .kind = Kind::index, .target = "cameras"},
     {.name = "children", .kind = Kind::indices, .target = "nodes"},
     {.name = "mesh", .kind = Kind::index, .target = "meshes"},
+    {.name = "skin", .kind = Kind::index, .target = "skins"},
     {"matrix", Kind::numbers, optional, -float_limit, float_limit, 16},
     {"rotation", Kind::numbers, optional, -1.01, 1.01, 4},
     {"scale", Kind::numbers, optional, -float_limit, float_limit, 3},
@@ -167,6 +168,31 @@ constexpr Field node[] = {
     {.name = "weights", .kind = Kind::numbers},
     {.name = "extensions", .kind = Kind::object, .schema = node_extensions},
 };
+constexpr Field skin[] = {
+    {"name", Kind::string},
+    {.name = "inverseBindMatrices", .kind = Kind::index, .target = "accessors"},
+    {.name = "joints", .kind = Kind::indices, .required = required, .target = "nodes"},
+};
+
+constexpr Field animation_target[] = {
+    {.name = "node", .kind = Kind::index, .target = "nodes"},
+    {.name = "path", .kind = Kind::string, .required = required},
+};
+constexpr Field channel[] = {
+    {.name = "sampler", .kind = Kind::index, .required = required},
+    {.name = "target", .kind = Kind::object, .required = required, .schema = animation_target},
+};
+constexpr Field animation_sampler[] = {
+    {.name = "input", .kind = Kind::index, .required = required, .target = "accessors"},
+    {.name = "output", .kind = Kind::index, .required = required, .target = "accessors"},
+    {.name = "interpolation", .kind = Kind::one_of, .one_of = "LINEAR STEP CUBICSPLINE"},
+};
+constexpr Field animation[] = {
+    {"name", Kind::string},
+    {.name = "channels", .kind = Kind::objects, .required = required, .minimum = 1, .schema = channel},
+    {.name = "samplers", .kind = Kind::objects, .required = required, .minimum = 1, .schema = animation_sampler},
+};
+
 constexpr Field scene[] = {
     {"name", Kind::string},
     {.name = "nodes", .kind = Kind::indices, .target = "nodes"},
@@ -217,8 +243,9 @@ constexpr Field camera[] = {
 };
 
 constexpr Field spot[] = {
-    {"innerConeAngle", Kind::number, optional, 0, 1.5707964},
-    {"outerConeAngle", Kind::number, optional, 0, 1.5707964},
+    // Beyond a right angle and in the wrong order they are mended: nodes.cpp
+    {"innerConeAngle", Kind::number, optional, 0, float_limit},
+    {"outerConeAngle", Kind::number, optional, 0, float_limit},
 };
 constexpr Field light[] = {
     {"name", Kind::string},
@@ -248,14 +275,18 @@ constexpr Field root[] = {
     {.name = "meshes", .kind = Kind::objects, .schema = mesh},
     {.name = "nodes", .kind = Kind::objects, .schema = node},
     {.name = "samplers", .kind = Kind::objects, .schema = sampler},
+    {.name = "skins", .kind = Kind::objects, .schema = skin},
     {.name = "scene", .kind = Kind::index, .target = "scenes"},
     {.name = "scenes", .kind = Kind::objects, .schema = scene},
     {.name = "textures", .kind = Kind::objects, .schema = texture},
     {.name = "extensions", .kind = Kind::object, .schema = root_extensions},
 };
 
+constexpr Field animations[] = {{.name = "animations", .kind = Kind::objects, .schema = animation}};
+
 }  // namespace
 
 Schema root_schema() { return root; }
+Schema animation_schema() { return animations; }
 
 }  // namespace ivory::gltf

@@ -42,7 +42,9 @@ struct Field {
   bool exclusive_minimum = false;
 };
 
-// Of the whole document.
+// Of the whole document, but for its animations.
 Schema root_schema();
+// Of the document's animations alone.
+Schema animation_schema();
 
 }  // namespace ivory::gltf
