@@ -4,8 +4,8 @@
 #include <array>
 #include <cstdio>
 #include <exception>
-#include <filesystem>
 
+#include "grid/io/file.h"
 #include "grid/io/image_codec.h"
 #include "grid/io/sh9.h"
 #include "grid/io/sphere_set.h"
@@ -25,8 +25,9 @@ void write_images(const std::string& folder) {
     const std::string path = folder + "/image." + extension;
     if (!image_codec().can_write(path)) continue;
     const bool linear = std::string(extension) == "exr" || std::string(extension) == "hdr";
-    const std::string cause = image_codec().write(path, {8, 4, PixelType::float32, pixels.data(), linear, {}});
-    if (!cause.empty()) std::filesystem::remove(path);
+    std::string cause;
+    const auto bytes = image_codec().encode(path, {8, 4, PixelType::float32, pixels.data(), linear, {}}, cause);
+    if (!bytes.empty()) write_file(path, {reinterpret_cast<const char*>(bytes.data()), bytes.size()}, true);
   }
 }
 
