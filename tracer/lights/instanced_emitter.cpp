@@ -53,6 +53,7 @@ InstancedEmitter make_instanced_emitter(const Scene& scene, const MeshEmission& 
   }
   facings.resize(kept);
   facings.shrink_to_fit();
+  for (const InstancedEmitter::Facing& f : facings) emitter.nits_m2 += f.nits_m2;
   return emitter;
 }
 
@@ -65,9 +66,17 @@ Rgb power_lm(const Scene& scene, const InstancedEmitter& emitter, int instance) 
   const V3d yz = y.cross(z);
   const V3d zx = z.cross(x);
   const V3d xy = x.cross(y);
-  V3d sum(0, 0, 0);
-  for (const InstancedEmitter::Facing& f : emitter.facings)
-    sum += f.nits_m2 * (yz * f.normal.x + zx * f.normal.y + xy * f.normal.z).length();
+  // Turned, mirrored and scaled alike all round, all areas grow by the same: most instances.
+  const double scale = x.dot(x);
+  const double most = 1e-6 * scale;
+  const bool alike = std::abs(y.dot(y) - scale) < most && std::abs(z.dot(z) - scale) < most &&
+                     std::abs(x.dot(y)) < most && std::abs(y.dot(z)) < most && std::abs(z.dot(x)) < most;
+  V3d sum = emitter.nits_m2 * scale;
+  if (!alike) {
+    sum = V3d(0, 0, 0);
+    for (const InstancedEmitter::Facing& f : emitter.facings)
+      sum += f.nits_m2 * (yz * f.normal.x + zx * f.normal.y + xy * f.normal.z).length();
+  }
   const Mesh& mesh = scene.meshes[std::size_t(emitter.emission->mesh)];
   const bool double_sided = scene.materials[std::size_t(mesh.material)].double_sided;
   sum *= double(pi) * (double_sided ? 2 : 1);

@@ -22,6 +22,7 @@ struct InstancedEmitter {
     V3d nits_m2;
   };
   std::vector<Facing> facings;
+  V3d nits_m2{0, 0, 0};  // of all
 };
 
 // `emission` must outlive it.
