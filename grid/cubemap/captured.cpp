@@ -199,6 +199,7 @@ LocalizedCube localize(const CapturedCube& captured, int size, ShellFit fit) {
 
   LocalizedCube cube;
   cube.origin_m = captured.origin_m;
+  cube.anchor_m = captured.anchor_m;
   cube.radiance.size = size;
   const std::size_t texels = layout.vertices.size() / 4;
   std::vector<std::array<double, 4>> sums(texels);  // R, G, B, solid angle

@@ -11,6 +11,7 @@ namespace ivory {
 // What is seen from a point: radiance, and the distance to what is seen through each texel's centre.
 struct CapturedCube {
   V3f origin_m{0, 0, 0};
+  V3d anchor_m{0, 0, 0};                // origin_m plus this is in the world
   CubeMap radiance;                     // nits
   std::vector<float> inverse_distance;  // 1/m, 0 for the sky; as radiance.texels
 };

@@ -6,6 +6,7 @@
 #include <map>
 #include <string>
 
+#include "grid/base/anchor.h"
 #include "grid/base/fast_angle.h"
 
 // From a receiver at P relative to the origin, the shell's vertex q / v lies in direction
@@ -181,6 +182,11 @@ V3f inside_shell(const LocalizedCube& cube, const V3f& offset) {
   const float v = inverse_depth_towards(cube, w);
   if (m * v > outermost) return w * (outermost / v);
   return m > farthest_m ? w * farthest_m : offset;
+}
+
+void set_anchor(LocalizedCube& cube, const V3d& anchor_m) {
+  cube.origin_m = to_local(to_world(cube.origin_m, cube.anchor_m), anchor_m);
+  cube.anchor_m = anchor_m;
 }
 
 Rgb irradiance(const LocalizedCube& cube, CubeMethod method, const V3f& p, const V3f& n) {

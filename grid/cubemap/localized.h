@@ -26,6 +26,7 @@ using TexelCorners = std::array<float, 4>;  // (u, v) = (0,0), (1,0), (0,1), (1,
 
 struct LocalizedCube {
   V3f origin_m{0, 0, 0};
+  V3d anchor_m{0, 0, 0};              // origin_m plus this is in the world: grid/base/anchor.h
   CubeMap radiance;                   // nits
   std::vector<TexelCorners> corners;  // as radiance.texels; texels that share a corner hold the same number
   Metadata metadata;
@@ -50,11 +51,15 @@ inline constexpr auto name_table<CubeMethod> =
                                                            {CubeMethod::point, "point"},
                                                            {CubeMethod::convolved, "convolved"}});
 
-// E in lux at p (world, m) for unit normal n. Nothing shadows a texel: neither the receiver nor another texel. Never
-// negative and always finite. A point outside of the shell, or within a thousandth of it, reads the light of the point
-// on its line to the origin that lies a thousandth inside; a point that is not finite reads the origin's. By `polygon`
-// and `convolved` E is at most pi times the greatest radiance, and exactly pi L inside a shell of constant radiance L.
+// E in lux at p (world, m, less the anchor) for unit normal n. Nothing shadows a texel: neither the receiver nor
+// another texel. Never negative and always finite. A point outside of the shell, or within a thousandth of it, reads
+// the light of the point on its line to the origin that lies a thousandth inside; a point that is not finite reads the
+// origin's. By `polygon` and `convolved` E is at most pi times the greatest radiance, and exactly pi L inside a shell
+// of constant radiance L.
 Rgb irradiance(const LocalizedCube& cube, CubeMethod method, const V3f& p, const V3f& n);
+
+// Places it relative to another anchor; in the world it stays where it is.
+void set_anchor(LocalizedCube& cube, const V3d& anchor_m);
 
 // `offset` = p - origin, brought inside the shell as irradiance() does.
 V3f inside_shell(const LocalizedCube& cube, const V3f& offset);

@@ -55,8 +55,6 @@ M33d bradford(const V2d& from, const V2d& to) {
 
 }  // namespace
 
-bool is_rec709(const Primaries& primaries) { return near(primaries, Primaries{}); }
-
 M33d to_rec709(const Primaries& primaries) {
   const Primaries rec709;
   const M33d from_xyz = inverse_of(to_xyz(rec709));
@@ -66,6 +64,15 @@ M33d to_rec709(const Primaries& primaries) {
     for (int j = 0; j < 3; ++j)
       if (!std::isfinite(m[i][j])) throw std::invalid_argument("primaries that are no colours");
   return m;
+}
+
+bool is_rec709(const Primaries& primaries) {
+  if (near(primaries, Primaries{})) return true;
+  try {
+    return to_rec709(primaries).equalWithAbsError(M33d(), 2e-3);
+  } catch (const std::invalid_argument&) {
+    return false;
+  }
 }
 
 V3d transformed(const M33d& m, const V3d& color) {

@@ -16,7 +16,8 @@ struct Primaries {
 // CIE XYZ itself, whose white point is a matter of form.
 inline constexpr Primaries xyz_primaries{{1, 0}, {0, 1}, {0, 0}, {1.0 / 3, 1.0 / 3}};
 
-// To within a thousandth of Rec.709's, as files round them.
+// Rec.709's as files round them, or what comes to the same: those of ICC profiles are adapted to D50. To within 0.002
+// of a colour.
 bool is_rec709(const Primaries& primaries);
 
 // The linear map from colours of those primaries to linear Rec.709: out[i] = sum over j of m[i][j] in[j]. White goes to

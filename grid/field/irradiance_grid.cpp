@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "grid/base/anchor.h"
+
 namespace ivory {
 
 namespace {
@@ -32,6 +34,11 @@ AxisFootprint axis_footprint(float x, int size, Interpolation interpolation) {
 }
 
 }  // namespace
+
+void set_anchor(GridVertices& grid, const V3d& anchor_m) {
+  grid.frame.origin_m = to_local(to_world(grid.frame.origin_m, grid.anchor_m), anchor_m);
+  grid.anchor_m = anchor_m;
+}
 
 Footprint make_footprint(const GridFrame& frame, const V3f& p, Interpolation interpolation) {
   const V3f index = frame.to_index(p);

@@ -28,6 +28,7 @@ inline constexpr auto name_table<StoredLight> = make_name_table<StoredLight>(
 // What a grid and the sums that it is made from (accumulator.h) have in common.
 struct GridVertices {
   GridFrame frame;
+  V3d anchor_m{0, 0, 0};  // the frame's positions plus this are the world's: grid/base/anchor.h
   Basis basis = Basis::vectors;
   StoredLight light = StoredLight::indirect;
   // [vertex] fraction of the vertex's cell, in 64ths, that the vertex sees; 0 marks a vertex that stores nothing
@@ -85,7 +86,11 @@ struct LookupParams {
   float nudge_voxels = 0.25F;  // p moves along n by this fraction of a voxel before it is looked up
 };
 
-// Footprint of p (world, m). Beyond the outermost vertices the nearest ones are repeated.
+// Places the vertices relative to another anchor; in the world they stay where they are.
+void set_anchor(GridVertices& grid, const V3d& anchor_m);
+
+// Footprint of p (as the frame counts it: world, m, less the anchor). Beyond the outermost vertices the nearest ones
+// are repeated.
 Footprint make_footprint(const GridFrame& frame, const V3f& p, Interpolation interpolation);
 
 // How much a vertex that sees that fraction of its cell counts, 0 to 1: one that sees less than a quarter knows less of

@@ -2,7 +2,9 @@
 
 #include <array>
 #include <cmath>
+#include <optional>
 
+#include "grid/base/anchor.h"
 #include "grid/base/error.h"
 #include "grid/io/exr.h"
 
@@ -15,6 +17,18 @@ const std::string remedy = "make one with ivory bake cubemap";
 const std::vector<std::string> channels{
     "R", "G", "B", "inverse_distance.00", "inverse_distance.10", "inverse_distance.01", "inverse_distance.11"};
 constexpr std::int64_t format_version = 1;
+const std::array<std::string, 3> place_keys{"position_x_m", "position_y_m", "position_z_m"};
+
+// Where the file was baked, where it states that in double.
+std::optional<V3d> far_position(const Metadata& metadata) {
+  V3d position;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const auto value = find_number(metadata, place_keys[axis]);
+    if (!value || !std::isfinite(*value)) return std::nullopt;
+    position[axis] = *value;
+  }
+  return position;
+}
 
 // |q| of a texel's corner k: distance = |q| depth.
 double corner_length(int size, int face, int row, int column, int k) {
@@ -33,7 +47,12 @@ void write_localized_cube(const std::string& path, const LocalizedCube& cube, bo
   asset.cube_environment = true;
   asset.metadata = cube.metadata;
   asset.metadata["format_version"] = format_version;
-  asset.lists["position_m"] = {cube.origin_m.x, cube.origin_m.y, cube.origin_m.z};
+  const V3d position = to_world(cube.origin_m, cube.anchor_m);
+  asset.lists["position_m"] = {float(position.x), float(position.y), float(position.z)};
+  // Floats do not hold a place far out: there it stands beside them in double.
+  if (cube.anchor_m != V3d(0, 0, 0)) {
+    for (unsigned axis = 0; axis < 3; ++axis) asset.metadata[place_keys[axis]] = position[axis];
+  }
   std::size_t i = 0;
   for (int face = 0; face < cube_faces; ++face) {
     for (int row = 0; row < size; ++row) {
@@ -67,6 +86,10 @@ LocalizedCube read_localized_cube(const std::string& path) {
   LocalizedCube cube;
   cube.origin_m = V3f(position->second[0], position->second[1], position->second[2]);
   cube.metadata = asset.metadata;
+  if (const auto far = far_position(asset.metadata)) {
+    cube.anchor_m = V3d(std::round(far->x), std::round(far->y), std::round(far->z));
+    cube.origin_m = to_local(*far, cube.anchor_m);
+  }
   const int size = cube.radiance.size = asset.width;
   const float* value = asset.values.data();
   for (int face = 0; face < cube_faces; ++face) {

@@ -1,6 +1,6 @@
 // The module ivory_images.so; see image_codec.h. It links nothing of ivory.
 #include <algorithm>
-#include <array>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <limits>
@@ -232,8 +232,9 @@ class Codec : public ImageCodec {
     // OpenImageIO would store the time of day: the same command is to give the same bytes.
     spec.attribute("DateTime", "");
     add_metadata(spec, image.metadata);
+    const std::string name = std::filesystem::path(path).filename().string();  // some formats store it
     OIIO::Filesystem::IOVecOutput memory;
-    const bool written = output->set_ioproxy(&memory) && output->open(path, spec) &&
+    const bool written = output->set_ioproxy(&memory) && output->open(name, spec) &&
                          output->write_image(type_desc(image.type), image.pixels) && output->close();
     if (!written || memory.buffer().empty()) {
       cause = said(output->geterror());

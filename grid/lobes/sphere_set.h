@@ -17,7 +17,8 @@ struct Sphere {
 
 struct SphereSet {
   std::vector<Sphere> spheres;
-  Metadata metadata;  // how it was fitted, and how well
+  V3d anchor_m{0, 0, 0};  // centres plus this are the world's: grid/base/anchor.h
+  Metadata metadata;      // how it was fitted, and how well
 };
 
 // Squared length of the tangent from p to the sphere: negative inside. Of two spheres that do not meet, the one with

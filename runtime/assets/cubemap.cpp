@@ -24,6 +24,7 @@ GpuLocalizedCube upload(const LocalizedCube& cube, const std::string& what) {
   GpuLocalizedCube result;
   result.texels = gl::make_texel_buffer(what, texels);
   result.origin_m = cube.origin_m;
+  result.anchor_m = cube.anchor_m;
   result.size = cube.radiance.size;
   result.steps = int(edges.steps());
   result.brightest = edges.brightest;

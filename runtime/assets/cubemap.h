@@ -12,6 +12,7 @@ namespace ivory {
 struct GpuLocalizedCube {
   gl::TexelBuffer texels;  // 36 size^2 + 10 of them, see shaders/cubemap/localized.glsl
   V3f origin_m{0, 0, 0};   // the point that it was baked at
+  V3d anchor_m{0, 0, 0};   // shaders are to be given positions less this: grid/base/anchor.h
   int size = 0;            // texels a side of a face
   int steps = 0;           // of the walk over the edges
   Rgb brightest{0, 0, 0};  // nits, of any texel

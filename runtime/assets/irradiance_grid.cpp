@@ -50,6 +50,7 @@ GpuGrid upload(const IrradianceGrid& grid, const GridUploadParams& params, const
   gl::require_context();
   GpuGrid out;
   out.frame = grid.frame;
+  out.anchor_m = grid.anchor_m;
   out.basis = grid.basis;
   out.form = params.form;
   out.guarded = !grid.guard.empty();

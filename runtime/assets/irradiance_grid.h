@@ -37,6 +37,7 @@ struct GpuGrid {
   gl::Texture trust;
   gl::Texture guard;
   GridFrame frame;
+  V3d anchor_m{0, 0, 0};  // shaders are to be given positions less this: grid/base/anchor.h
   Basis basis = Basis::vectors;
   GridForm form = GridForm::moments;
   V3i tiles{1, 1, 1};  // volume f is tile (f % x, f / x % y, f / (x y)) of the texture

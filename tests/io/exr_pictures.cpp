@@ -251,6 +251,14 @@ TEST_F(ExrPictures, ColoursComeToRec709) {
   EXPECT_EQ(first(rec709), Rgb(1, 2, 3));
   EXPECT_TRUE(rec709.warnings.empty());
 
+  // sRGB's profile, whose primaries are adapted to D50.
+  Imf::Header profile = header();
+  Imf::addChromaticities(
+      profile, Imf::Chromaticities({0.6484F, 0.3309F}, {0.3212F, 0.5979F}, {0.1559F, 0.06606F}, {0.3457F, 0.3585F}));
+  const LoadedEnvironment adapted = load_environment_image(write(profile, {{"R", 1}, {"G", 2}, {"B", 3}}));
+  EXPECT_EQ(first(adapted), Rgb(1, 2, 3));
+  EXPECT_TRUE(adapted.warnings.empty());
+
   Imf::Header bad = header();
   Imf::addChromaticities(bad, Imf::Chromaticities({0.3F, 0.3F}, {0.3F, 0.3F}, {0.3F, 0.3F}, {0.3F, 0.3F}));
   EXPECT_NE(message(write(bad, {{"R", 1}, {"G", 1}, {"B", 1}})).find("primaries"), std::string::npos);

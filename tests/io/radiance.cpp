@@ -186,6 +186,7 @@ TEST_F(RadianceFiles, HeadersThatSayNoPictureAreRefused) {
        {"", "-Y 1", "-Y 1 +Y 2", "-Y 1 +Z 2", "-Y 0 +X 2", "-Y 1 +X 99999999", "-Y -1 +X 2", "+X"})
     EXPECT_NE(message(header(rgbe, resolution) + std::string(64, 'x')), "") << resolution;
   EXPECT_NE(message("#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n"), "");
+  EXPECT_NE(message(header(rgbe, "-Y 30000 +X 60000") + std::string(64, 'x')).find("claims"), std::string::npos);
   EXPECT_NE(message("#?"), "");
   // Not taken at its word for a hundred gigabytes.
   EXPECT_NE(message(header(rgbe, "-Y 65536 +X 65536") + std::string(64, 'x')).find("ends early"), std::string::npos);

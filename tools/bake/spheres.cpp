@@ -14,7 +14,6 @@
 #include "tools/input/assumptions.h"
 #include "tools/input/scene.h"
 #include "tracer/bake/spheres/fit.h"
-#include "tracer/gltf/loader.h"
 
 namespace ivory {
 
@@ -31,7 +30,7 @@ struct BakeSpheresOptions {
 void run(const BakeSpheresOptions& options, const CommonOptions& common) {
   check_output(options.output, ".json", common);
   if (!is_scene_name(options.mesh)) throw Error(options.mesh, "is no .gltf or .glb file", "convert the mesh");
-  const LoadedScene loaded = load_gltf(options.mesh, options.load.load);
+  const LoadedScene loaded = load_scene(options.mesh, options.load.load);
   print_warnings(common, loaded.warnings);
 
   SphereFitParams params;

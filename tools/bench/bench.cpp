@@ -67,7 +67,7 @@ void run(const BenchOptions& options, const CommonOptions& common) {
   params.threads = thread_count(common);
 
   std::vector<Scene> scenes;
-  for (const std::string& path : options.scenes) scenes.push_back(load_gltf(path, options.load.load).scene);
+  for (const std::string& path : options.scenes) scenes.push_back(load_scene(path, options.load.load).scene);
   scenes.push_back(make_bench_scene(options.triangles));
 
   nlohmann::ordered_json results = nlohmann::ordered_json::array();
@@ -90,7 +90,7 @@ struct LookupBenchOptions {
 };
 
 void run_lookup(const LookupBenchOptions& options, const CommonOptions& common) {
-  const LitScene lit = make_lit_scene(load_gltf(options.scene, options.load.load).scene);
+  const LitScene lit = make_lit_scene(load_scene(options.scene, options.load.load).scene);
   GridBakeParams bake;
   bake.resolution = parse_size3("--resolution", options.resolution, 2);
   bake.photons = options.photons;

@@ -15,7 +15,6 @@
 #include "tools/input/environment.h"
 #include "tools/input/scene.h"
 #include "tools/stability/measure_fiv.h"
-#include "tracer/gltf/loader.h"
 
 namespace ivory {
 
@@ -91,7 +90,7 @@ void run(const BenchFivOptions& options, const CommonOptions& common) {
   FivParams params;
   params.samples = parse_size3("--samples", options.samples, 3);
   params.hemispheres = 6;
-  const FivOccluder occluder = make_fiv_occluder(load_gltf(options.mesh, options.load.load).scene);
+  const FivOccluder occluder = make_fiv_occluder(load_scene(options.mesh, options.load.load).scene);
   const CubeMap light = make_light(options, common);
   Progress progress(common, "measuring", "steps");
   Json result{{"mesh", options.mesh}, {"samples", {params.samples.x, params.samples.y, params.samples.z}}};

@@ -25,7 +25,6 @@
 #include "tools/input/environment.h"
 #include "tools/input/scene.h"
 #include "tracer/bake/fiv/baker.h"
-#include "tracer/gltf/loader.h"
 
 namespace ivory {
 
@@ -232,7 +231,7 @@ struct BenchRuntimeOptions {
 };
 
 void run(const BenchRuntimeOptions& options, const CommonOptions& common) {
-  const Scene object = load_gltf(options.mesh, options.load.load).scene;
+  const Scene object = load_scene(options.mesh, options.load.load).scene;
   EnvironmentInput input = load_environment_input(options.environment);
   print_warnings(common, input.warnings);
   const EnvironmentMap environment = to_latlong(std::move(input.image));

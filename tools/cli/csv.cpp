@@ -52,10 +52,10 @@ std::vector<std::string_view> csv_cells(std::string_view line) {
   }
 }
 
-float csv_number(const std::string& path, const CsvLine& line, std::string_view cell, std::string_view column,
-                 const std::string& remedy) {
-  const auto value = parse_float(cell.starts_with('+') ? cell.substr(1) : cell);
-  if (!value || !std::isfinite(*value)) {
+double csv_number(const std::string& path, const CsvLine& line, std::string_view cell, std::string_view column,
+                  const std::string& remedy) {
+  const auto value = parse_number(cell.starts_with('+') ? cell.substr(1) : cell);
+  if (!value || !std::isfinite(float(*value))) {
     throw Error(path, fmt::format("line {}: '{}' in column {} is not a finite number", line.number, cell, column),
                 remedy);
   }

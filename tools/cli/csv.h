@@ -20,7 +20,7 @@ std::vector<CsvLine> read_csv_lines(const std::string& path, const std::string& 
 std::vector<std::string_view> csv_cells(std::string_view line);
 
 // Throws Error, which names line and column, for a cell that is no finite number.
-float csv_number(const std::string& path, const CsvLine& line, std::string_view cell, std::string_view column,
-                 const std::string& remedy);
+double csv_number(const std::string& path, const CsvLine& line, std::string_view cell, std::string_view column,
+                  const std::string& remedy);
 
 }  // namespace ivory

@@ -14,11 +14,10 @@
 #include "grid/io/sphere_set.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
+#include "tools/cli/scene_info.h"
 #include "tools/input/file_kind.h"
-#include "tools/input/hints.h"
 #include "tools/input/scene.h"
 #include "tools/input/vdb.h"
-#include "tracer/core/camera.h"
 
 namespace ivory {
 
@@ -33,7 +32,7 @@ Json vector_json(const Vector& v) {
 Json vdb_json(const std::string& path) {
   Json json = to_json(load_vdb_info(path));
   for (auto& [key, value] : json.items()) {
-    if (key == "size" || key == "origin_m" || key == "spacing_m" || key.starts_with("axis_")) {
+    if (key == "size" || key == "origin_m" || key == "anchor_m" || key == "spacing_m" || key.starts_with("axis_")) {
       Json list = Json::parse(value.get<std::string>(), nullptr, /*allow_exceptions=*/false);
       if (list.is_array()) value = std::move(list);
     }
@@ -70,58 +69,9 @@ Json spheres_json(const std::string& path) {
   }
   json["radius_min_m"] = shortest(smallest);
   json["radius_max_m"] = shortest(largest);
-  json["bounds_min_m"] = vector_json(box.min);
-  json["bounds_max_m"] = vector_json(box.max);
+  json["bounds_min_m"] = shortest(box.min, set.anchor_m);
+  json["bounds_max_m"] = shortest(box.max, set.anchor_m);
   json.update(to_json(set.metadata));
-  return json;
-}
-
-Json scene_json(const std::string& path, const SceneOptions& options, const CommonOptions& common) {
-  // The warnings are part of the result here.
-  CommonOptions silent = common;
-  silent.quiet = true;
-  const auto input = load_scene_input(path, options, {}, silent);
-  const Scene& scene = *input.lit.scene;
-  std::size_t triangles = 0;
-  std::size_t placed = 0;
-  for (const Mesh& mesh : scene.meshes) triangles += mesh.triangles.size();
-  for (const Instance& instance : scene.instances) placed += scene.meshes[std::size_t(instance.mesh)].triangles.size();
-  const auto emissive = std::count_if(scene.materials.begin(), scene.materials.end(),
-                                      [](const Material& material) { return !is_black(material.emission); });
-  std::size_t points = 0;
-  std::size_t spots = 0;
-  std::size_t suns = 0;
-  for (const PunctualLight& light : scene.lights) {
-    points += std::holds_alternative<PointLight>(light) ? 1 : 0;
-    spots += std::holds_alternative<SpotLight>(light) ? 1 : 0;
-    suns += std::holds_alternative<DirectionalLight>(light) ? 1 : 0;
-  }
-  Json json{{"kind", "scene"},
-            {"content_hash", scene.content_hash},
-            {"triangles", triangles},
-            {"triangles_placed", placed},
-            {"meshes", scene.meshes.size()},
-            {"instances", scene.instances.size()},
-            {"materials", scene.materials.size()},
-            {"emissive_materials", emissive},
-            {"images", scene.images.size()},
-            {"cameras", scene.cameras.size()},
-            {"point_lights", points},
-            {"spot_lights", spots},
-            {"directional_lights", suns},
-            {"spherical_lights", scene.sphere_lights.size()}};
-  if (const Box3f box = bounds(scene); !box.isEmpty()) {
-    json["bounds_min_m"] = vector_json(box.min);
-    json["bounds_max_m"] = vector_json(box.max);
-  }
-  json["power_lm"] = vector_json(input.lit.lights.total_power_lm());
-  std::vector<std::string> warnings = input.warnings;
-  for (const Camera& camera : scene.cameras) {
-    if (const auto doubt = doubt_about(input.lit.intersector, make_view(path, camera, 4, 3), camera.name))
-      warnings.push_back(*doubt);
-  }
-  json["warnings"] = warnings;
-  json["hints"] = hints(input.lit);
   return json;
 }
 
@@ -166,11 +116,23 @@ std::string text_of(const Json& value) {
   return text;
 }
 
+// "point, 12 10 8 cd, 151 126 101 lm at 0 2.5 1"
+std::string light_text(const Json& light) {
+  std::string text = light["type"].get<std::string>();
+  for (const auto& [key, value] : light.items()) {
+    const std::size_t unit = key.rfind('_');
+    if (key == "type" || unit == std::string::npos) continue;
+    text += key == "position_m" ? " at " + text_of(value) : ", " + text_of(value) + " " + key.substr(unit + 1);
+  }
+  return text;
+}
+
 void run_info(const std::string& path, const SceneOptions& options, const CommonOptions& common) {
   Json json{{"file", path}};
+  if (options.load.scale != 1 && file_kind(path) != FileKind::scene) throw UsageError("--scale serves scenes only");
   switch (const FileKind kind = file_kind(path)) {
     case FileKind::scene:
-      json.update(scene_json(path, options, common));
+      json.update(scene_info(path, options, common));
       break;
     case FileKind::grid:
       json.update(vdb_json(path));
@@ -202,7 +164,12 @@ void run_info(const std::string& path, const SceneOptions& options, const Common
   }
   std::string text;
   for (const auto& [key, value] : json.items()) {
-    if (key == "warnings" || key == "hints" || key == "assumptions") {
+    if (key == "lights") {
+      constexpr std::size_t most = 20;
+      for (std::size_t i = 0; i < std::min(most, value.size()); ++i)
+        text += fmt::format("{:<20} {}\n", "light", light_text(value[i]));
+      if (value.size() > most) text += fmt::format("{:<20} {} more; --json lists all\n", "light", value.size() - most);
+    } else if (key == "warnings" || key == "hints" || key == "assumptions") {
       for (const Json& line : value) text += fmt::format("{:<20} {}\n", key.substr(0, key.size() - 1), text_of(line));
     } else if (value.is_array() && value.size() > 60) {
       text += fmt::format("{:<20} {} of them; --json lists all\n", key, value.size());

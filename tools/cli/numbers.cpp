@@ -120,20 +120,20 @@ std::pair<std::uint64_t, std::uint64_t> parse_range(std::string_view option, std
   return {*begin, *end};
 }
 
-std::vector<float> parse_floats(std::string_view option, std::string_view text, std::size_t count,
-                                std::string_view form) {
-  std::vector<float> values;
+std::vector<double> parse_numbers(std::string_view option, std::string_view text, std::size_t count,
+                                  std::string_view form) {
+  std::vector<double> values;
   for (const std::string_view part : split(text, ',')) {
-    const auto value = number_from<float>(part);
-    if (!value || !std::isfinite(*value)) refuse(option, text, form);
+    const auto value = number_from<double>(part);
+    if (!value || !std::isfinite(float(*value))) refuse(option, text, form);
     values.push_back(*value);
   }
   if (values.size() != count) refuse(option, text, form);
   return values;
 }
 
-V3f parse_vector3(std::string_view option, std::string_view text) {
-  const std::vector<float> v = parse_floats(option, text, 3, "X,Y,Z");
+V3d parse_vector3(std::string_view option, std::string_view text) {
+  const std::vector<double> v = parse_numbers(option, text, 3, "X,Y,Z");
   return {v[0], v[1], v[2]};
 }
 
@@ -141,6 +141,13 @@ double shortest(float value) {
   std::array<char, 32> text{};
   const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
   return parse_number(std::string_view(text.data(), std::size_t(end - text.data()))).value_or(double(value));
+}
+
+std::array<double, 3> shortest(const V3f& p_local, const V3d& anchor_m) {
+  std::array<double, 3> place{};
+  for (unsigned axis = 0; axis < 3; ++axis)
+    place[axis] = anchor_m[axis] == 0 ? shortest(p_local[axis]) : double(p_local[axis]) + anchor_m[axis];
+  return place;
 }
 
 std::string format_count(double count) {

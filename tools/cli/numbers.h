@@ -1,6 +1,7 @@
 // Numbers as people write and read them: texts of the command line to values, values to text.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -29,14 +30,16 @@ V3i parse_size3(std::string_view option, std::string_view text, int least);
 Imath::V2i parse_image_size(std::string_view option, std::string_view text);
 // "A:B", counts with A < B, half open.
 std::pair<std::uint64_t, std::uint64_t> parse_range(std::string_view option, std::string_view text);
-// "X,Y,Z", finite.
-V3f parse_vector3(std::string_view option, std::string_view text);
+// "X,Y,Z", finite. Places in the world are double: see grid/base/anchor.h.
+V3d parse_vector3(std::string_view option, std::string_view text);
 // `count` finite numbers separated by commas; `form` shows the user how: "X,Y,Z,RADIUS".
-std::vector<float> parse_floats(std::string_view option, std::string_view text, std::size_t count,
-                                std::string_view form);
+std::vector<double> parse_numbers(std::string_view option, std::string_view text, std::size_t count,
+                                  std::string_view form);
 
 // The double that prints as the float does: 0.1, not 0.10000000149011612.
 double shortest(float value);
+// A local position in the world (grid/base/anchor.h), as it is printed.
+std::array<double, 3> shortest(const V3f& p_local, const V3d& anchor_m);
 
 // "1.20 M", "850 k", "12": three significant digits.
 std::string format_count(double count);

@@ -50,6 +50,7 @@ IrradianceGrid load_grid(const GridInputOptions& options, const SceneInput& inpu
     print_note(common, fmt::format("note: {} was baked from another scene ({})", options.grid,
                                    find_text(grid.metadata, "scene").value_or("")));
   }
+  set_anchor(grid, input.lit.scene->anchor_m);
   return grid;
 }
 

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "grid/base/anchor.h"
 #include "grid/base/error.h"
-#include "tracer/gltf/loader.h"
 
 namespace ivory {
 
@@ -37,8 +37,9 @@ std::vector<bool> instances_below(const Scene& scene, const std::string& name) {
   return found;
 }
 
-// All of `object`, moved; handles are shifted past those of `scene`.
-void append(Scene& scene, Scene object, const V3f& translation) {
+// All of `object`, moved in the world; handles are shifted past those of `scene`.
+void append(Scene& scene, Scene object, const V3d& translation) {
+  const V3f offset = to_local(object.anchor_m + translation, scene.anchor_m);
   const int images = int(scene.images.size());
   const int textures = int(scene.textures.size());
   const int materials = int(scene.materials.size());
@@ -57,11 +58,11 @@ void append(Scene& scene, Scene object, const V3f& translation) {
   for (Instance& instance : object.instances) {
     shift(instance.mesh, meshes);
     shift(instance.node, nodes);
-    for (unsigned c = 0; c < 3; ++c) instance.to_world[3][c] += translation[c];
+    for (unsigned c = 0; c < 3; ++c) instance.to_world[3][c] += offset[c];
   }
   for (SphereLight& light : object.sphere_lights) {
     shift(light.instance, instances);
-    light.center += translation;
+    light.center += offset;
   }
   const auto move = [](auto& to, auto& from) {
     to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
@@ -78,7 +79,7 @@ void append(Scene& scene, Scene object, const V3f& translation) {
 }  // namespace
 
 std::optional<ObjectFile> parse_object(const std::string& text) {
-  if (is_scene_name(text)) return ObjectFile{text, V3f(0, 0, 0)};
+  if (is_scene_name(text)) return ObjectFile{text, V3d(0, 0, 0)};
   const std::size_t at = text.rfind('@');
   if (at == std::string::npos || !is_scene_name(text.substr(0, at))) return std::nullopt;
   return ObjectFile{text.substr(0, at), parse_vector3("--object", text.substr(at + 1))};
@@ -94,7 +95,7 @@ std::vector<bool> place_objects(Scene& scene, const std::vector<std::string>& ob
       for (std::size_t i = 0; i < found.size(); ++i) is_object[i] = is_object[i] || found[i];
       continue;
     }
-    LoadedScene loaded = load_gltf(file->path, object_params(options));
+    LoadedScene loaded = load_scene(file->path, object_params(options));
     print_warnings(common, loaded.warnings);
     if (loaded.scene.instances.empty())
       throw Error(file->path, "has no triangles", "give --object a model with a mesh");

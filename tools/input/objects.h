@@ -24,7 +24,7 @@ std::vector<bool> instances_below(const Scene& scene, int node);
 // A model file and where it is to stand, as --object gives it.
 struct ObjectFile {
   std::string path;
-  V3f translation{0, 0, 0};
+  V3d translation{0, 0, 0};
 };
 // "FILE.glb" or "FILE.glb@X,Y,Z"; nothing for other texts, which name a node. Throws UsageError for no such place.
 std::optional<ObjectFile> parse_object(const std::string& text);

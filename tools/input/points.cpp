@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "grid/base/anchor.h"
 #include "grid/base/error.h"
 #include "grid/io/file.h"
 #include "tools/cli/csv.h"
@@ -19,6 +20,13 @@ constexpr std::array<std::string_view, 6> input_columns{"x", "y", "z", "nx", "ny
 constexpr std::array<std::string_view, 6> output_columns{"r", "g", "b", "r_se", "g_se", "b_se"};
 
 }  // namespace
+
+std::vector<V3f> local_points(const PointsTable& table, const V3d& anchor_m) {
+  std::vector<V3f> points;
+  points.reserve(table.p.size());
+  for (const V3d& p : table.p) points.push_back(to_local(p, anchor_m));
+  return points;
+}
 
 PointsTable read_points_csv(const std::string& path) {
   const std::string remedy = "give columns x,y,z,nx,ny,nz, a number in each";
@@ -44,11 +52,11 @@ PointsTable read_points_csv(const std::string& path) {
       throw Error(path, fmt::format("line {} has {} cells, line 1 has {}", line.number, cells.size(), names.size()),
                   remedy);
     }
-    std::array<float, 6> values{};
+    std::array<double, 6> values{};
     for (std::size_t i = 0; i < column.size(); ++i)
       values[i] = csv_number(path, line, cells[column[i]], input_columns[i], remedy);
     // In double, as the squares of small floats underflow.
-    const V3d n(values[3], values[4], values[5]);
+    const V3d n(V3f(V3d(values[3], values[4], values[5])));
     const double length = n.length();
     if (!(length > 0)) throw Error(path, fmt::format("line {}: the normal is zero", line.number), remedy);
     table.rows.push_back(line.text);

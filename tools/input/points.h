@@ -11,9 +11,12 @@ namespace ivory {
 struct PointsTable {
   std::string header;             // as read, without line end
   std::vector<std::string> rows;  // as read
-  std::vector<V3f> p;             // metres
+  std::vector<V3d> p;             // world, metres
   std::vector<V3f> n;             // unit
 };
+
+// Its points less the anchor (grid/base/anchor.h).
+std::vector<V3f> local_points(const PointsTable& table, const V3d& anchor_m);
 
 // Reads a table whose first line names its columns, among them x,y,z,nx,ny,nz in any order; other
 // columns are kept as text. Throws Error with the line number for rows of another length, cells that

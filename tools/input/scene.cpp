@@ -4,10 +4,12 @@
 
 #include <fmt/format.h>
 
+#include "grid/base/anchor.h"
 #include "grid/base/error.h"
 #include "grid/io/file.h"
 #include "tools/input/assumptions.h"
-#include "tracer/gltf/loader.h"
+#include "tools/input/units_hint.h"
+#include "tracer/lights/sphere.h"
 
 namespace ivory {
 
@@ -91,6 +93,14 @@ LoadParams object_params(const SceneOptions& options) {
   return params;
 }
 
+LoadedScene load_scene(const std::string& path, const LoadParams& params) {
+  LoadedScene loaded = load_gltf(path, params);
+  if (params.scale == 1) {
+    if (const auto hint = units_hint(loaded)) loaded.warnings.push_back(*hint);
+  }
+  return loaded;
+}
+
 void describe(const SceneOptions& options, Metadata& metadata) {
   if (options.load.scale != 1) metadata[scale_key] = options.load.scale;
   if (options.load.time_s) metadata["time_s"] = *options.load.time_s;
@@ -100,7 +110,7 @@ void describe(const SceneOptions& options, Metadata& metadata) {
 
 SceneInput load_scene_input(const std::string& path, const SceneOptions& options, const EnvironmentChoice& environment,
                             const CommonOptions& common, const std::function<void(Scene&)>& extend) {
-  LoadedScene loaded = load_gltf(path, options.load);
+  LoadedScene loaded = load_scene(path, options.load);
   Metadata origin;
   origin["scene"] = std::filesystem::path(path).filename().string();
   origin["scene_hash"] = loaded.scene.content_hash;
@@ -117,9 +127,14 @@ SceneInput load_scene_input(const std::string& path, const SceneOptions& options
   return {make_lit_scene(std::move(loaded.scene)), std::move(loaded.warnings), std::move(origin)};
 }
 
-SphereLight parse_sphere_light(std::string_view option, std::string_view text) {
-  const std::vector<float> v = parse_floats(option, text, 7, "X,Y,Z,RADIUS,R,G,B");
-  return {V3f(v[0], v[1], v[2]), v[3], Rgb(v[4], v[5], v[6])};
+SphereLightOption parse_sphere_light(std::string_view option, std::string_view text) {
+  const std::vector<double> v = parse_numbers(option, text, 7, "X,Y,Z,RADIUS,R,G,B");
+  return {V3d(v[0], v[1], v[2]), float(v[3]), Rgb(float(v[4]), float(v[5]), float(v[6]))};
+}
+
+void add_sphere_light(Scene& scene, const SphereLightOption& light, const std::string& source) {
+  add_sphere_light(scene, SphereLight{to_local(light.center_m, scene.anchor_m), light.radius_m, light.radiance_nits},
+                   source);
 }
 
 }  // namespace ivory

@@ -27,6 +27,9 @@ std::vector<std::string> add_scene_options(Command command, SceneOptions& option
 // For files placed beside the scene: in the scene's unit, but as they are stored, and whole.
 LoadParams object_params(const SceneOptions& options);
 
+// load_gltf(), and one more warning where the file looks like another unit than metres and --scale does not say so.
+LoadedScene load_scene(const std::string& path, const LoadParams& params);
+
 // What of the options an asset's metadata keeps: scene_scale, where it is not 1; time_s, animation and without, where
 // they are given.
 void describe(const SceneOptions& options, Metadata& metadata);
@@ -56,7 +59,15 @@ void check_scale(const std::string& path, const Metadata& metadata, const Metada
 SceneInput load_scene_input(const std::string& path, const SceneOptions& options, const EnvironmentChoice& environment,
                             const CommonOptions& common, const std::function<void(Scene&)>& extend = {});
 
+// A spherical light as a user gives it: its place in the world.
+struct SphereLightOption {
+  V3d center_m;
+  float radius_m = 0;
+  Rgb radiance_nits;
+};
 // "X,Y,Z,RADIUS,R,G,B": place and radius in metres, radiance in nits. Throws UsageError naming `option`.
-SphereLight parse_sphere_light(std::string_view option, std::string_view text);
+SphereLightOption parse_sphere_light(std::string_view option, std::string_view text);
+// As add_sphere_light(), whose messages name `source`.
+void add_sphere_light(Scene& scene, const SphereLightOption& light, const std::string& source);
 
 }  // namespace ivory

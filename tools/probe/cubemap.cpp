@@ -21,13 +21,14 @@ ProbeEstimates probe_cubemap(CubeMethod method, const ProbeRequest& request) {
     throw UsageError("--indirect-only: a cube map holds all light that it saw and cannot leave out any");
   const PointsTable& table = request.table;
   const LocalizedCube cube = read_localized_cube(request.source);
+  const std::vector<V3f> points = local_points(table, cube.anchor_m);
   const CubeReader reader = make_cube_reader(cube, method);
   ProbeEstimates out;
   out.e.resize(table.p.size());
   out.standard_error.resize(table.p.size(), Rgb(0, 0, 0));  // of the look-up alone: it is exact
   tbb::parallel_for(std::size_t(0), table.p.size(),
-                    [&](std::size_t i) { out.e[i] = irradiance(reader, table.p[i], table.n[i]); });
-  const auto outside = std::count_if(table.p.begin(), table.p.end(), [&](const V3f& p) {
+                    [&](std::size_t i) { out.e[i] = irradiance(reader, points[i], table.n[i]); });
+  const auto outside = std::count_if(points.begin(), points.end(), [&](const V3f& p) {
     const V3f offset = p - cube.origin_m;
     return inside_shell(cube, offset) != offset;
   });

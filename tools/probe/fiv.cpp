@@ -22,7 +22,7 @@ ProbeEstimates probe_fiv(Straddling straddling, const ProbeRequest& request) {
   out.e.resize(points.p.size());
   out.standard_error.resize(points.p.size(), Rgb(0, 0, 0));  // of the look-up alone: it is exact
   tbb::parallel_for(std::size_t(0), points.p.size(), [&](std::size_t i) {
-    const V3f q = points.p[i] / table.radius_m;
+    const V3f q = V3f(points.p[i]) / table.radius_m;
     out.e[i] = hidden_irradiance(table, lookup(table, q), points.n[i], -q.dot(points.n[i]), straddling);
   });
   out.facts = {{"source", std::string("fiv")},

@@ -42,7 +42,8 @@ LookupParams choose_lookup(const std::string& source, const GridOptions& options
 ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& request) {
   const PointsTable& table = request.table;
   const CommonOptions& common = request.common;
-  const IrradianceGrid grid = load_grid_vdb(request.source);
+  if (options.scene.empty() && request.load.load.scale != 1) throw UsageError("--scale serves scenes: give --scene");
+  IrradianceGrid grid = load_grid_vdb(request.source);
   const LookupParams params = choose_lookup(request.source, options, grid);
   if (request.indirect_only && grid.light != StoredLight::indirect)
     throw Error(request.source, "was baked with --direct and cannot be read without", "bake it again without --direct");
@@ -55,6 +56,8 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
     if (baked && *baked != scene->lit.scene->content_hash)
       print_note(common, "warning: " + options.scene + " has changed since " + request.source + " was baked");
   }
+  if (scene) set_anchor(grid, scene->lit.scene->anchor_m);
+  const std::vector<V3f> points = local_points(table, grid.anchor_m);
   const Intersector* intersector = scene ? &scene->lit.intersector : nullptr;
 
   ProbeEstimates out;
@@ -66,7 +69,7 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
   std::atomic<std::int64_t> unseen = 0;
   tbb::parallel_for(std::size_t(0), table.p.size(), [&](std::size_t i) {
     const V3f& n = table.n[i];
-    const Footprint footprint = lookup_footprint(grid, intersector, table.p[i], n, params);
+    const Footprint footprint = lookup_footprint(grid, intersector, points[i], n, params);
     out.e[i] = irradiance(grid, footprint, n, params.reconstruction);
     if (footprint.count == 0)
       ++unseen;
@@ -75,7 +78,7 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
     out.standard_error[i] = irradiance_standard_error(grid, footprint, unmet_lux.value_or(0));
     if (is_black(out.standard_error[i])) out.standard_error[i] = Rgb(unknown, unknown, unknown);
   });
-  const auto outside = std::count_if(table.p.begin(), table.p.end(), [&](const V3f& p) {
+  const auto outside = std::count_if(points.begin(), points.end(), [&](const V3f& p) {
     const V3f index = grid.frame.to_index(p);
     for (int axis = 0; axis < 3; ++axis) {
       // A vertex' cell reaches half a spacing beyond it.

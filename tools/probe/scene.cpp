@@ -26,7 +26,8 @@ ProbeEstimates probe_path_traced(const PathOptions& options, const ProbeRequest&
   const CommonOptions& common = request.common;
   const auto input = load_scene_input(request.source, request.load, options.environment, common);
   std::vector<ProbePoint> points;
-  for (std::size_t i = 0; i < table.p.size(); ++i) points.push_back({table.p[i], table.n[i]});
+  const std::vector<V3f> p = local_points(table, input.lit.scene->anchor_m);
+  for (std::size_t i = 0; i < p.size(); ++i) points.push_back({p[i], table.n[i]});
   ProbeParams params;
   params.samples = options.samples;
   params.max_bounces = options.bounces;

@@ -23,7 +23,8 @@ struct CubemapOptions {
 
 Film render_cubemap(const CubemapOptions& options, const RenderRequest& request) {
   const CommonOptions& common = request.common;
-  const LocalizedCube cube = read_localized_cube(options.path);
+  LocalizedCube cube = read_localized_cube(options.path);
+  set_anchor(cube, request.input.lit.scene->anchor_m);
   check_environment(options.path, cube.metadata, request.input);
   check_scale(options.path, cube.metadata, request.input.origin);
   if (const auto baked = find_text(cube.metadata, "scene_hash");

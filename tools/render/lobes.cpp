@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "grid/base/anchor.h"
 #include "grid/base/error.h"
 #include "grid/io/sphere_set.h"
 #include "tools/render/method.h"
@@ -20,15 +21,16 @@ struct LobeOptions {
   LobeParams params;
 };
 
-// "FILE.json" or "FILE.json@X,Y,Z": an @ before the extension belongs to the name.
-std::vector<Sphere> load_placed(const std::string& text) {
+// "FILE.json" or "FILE.json@X,Y,Z": an @ before the extension belongs to the name. Relative to the anchor.
+std::vector<Sphere> load_placed(const std::string& text, const V3d& anchor_m) {
   const bool moved = !text.ends_with(".json");
   const std::size_t at = moved ? text.find_last_of('@') : std::string::npos;
-  V3f offset(0, 0, 0);
+  V3d offset(0, 0, 0);
   if (at != std::string::npos) offset = parse_vector3("--spheres", std::string_view(text).substr(at + 1));
-  std::vector<Sphere> spheres = read_spheres(text.substr(0, at)).spheres;
-  for (Sphere& sphere : spheres) sphere.center += offset;
-  return spheres;
+  SphereSet set = read_spheres(text.substr(0, at));
+  const V3f by = to_local(set.anchor_m + offset, anchor_m);
+  for (Sphere& sphere : set.spheres) sphere.center += by;
+  return std::move(set.spheres);
 }
 
 Film render(const LobeOptions& options, const RenderRequest& request) {
@@ -41,7 +43,7 @@ Film render(const LobeOptions& options, const RenderRequest& request) {
   lobes.lights = scene.sphere_lights;
   std::vector<Sphere> occluders;
   for (const std::string& text : options.sphere_sets) {
-    const std::vector<Sphere> placed = load_placed(text);
+    const std::vector<Sphere> placed = load_placed(text, scene.anchor_m);
     occluders.insert(occluders.end(), placed.begin(), placed.end());
   }
   for (const SphereLight& light : scene.sphere_lights) occluders.push_back({light.center, light.radius_m});
@@ -86,7 +88,7 @@ RenderMethod make_lobes_method(Command command) {
   method.direct_only = true;
   method.check = [options] {
     if (options->params.shadows != LobeShadows::mesh && options->params.shadows != LobeShadows::none) {
-      for (const std::string& text : options->sphere_sets) load_placed(text);
+      for (const std::string& text : options->sphere_sets) load_placed(text, V3d(0, 0, 0));
     }
   };
   method.render = [options](const RenderRequest& request) { return render(*options, request); };

@@ -21,7 +21,6 @@
 #include "tools/input/scene.h"
 #include "tools/render/method.h"
 #include "tracer/image/file.h"
-#include "tracer/lights/sphere.h"
 
 namespace ivory {
 
@@ -34,7 +33,7 @@ struct RenderOptions {
   SceneOptions load;
   EnvironmentChoice environment;
   std::string camera;
-  std::vector<SphereLight> sphere_lights;
+  std::vector<SphereLightOption> sphere_lights;
   std::vector<std::string> sphere_light_texts;
   int samples = 64;
   std::uint64_t seed = 1;
@@ -146,7 +145,7 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
   std::vector<bool> is_object;
   const auto input = load_scene_input(options.scene, options.load, options.environment, common, [&](Scene& scene) {
     is_object = place_objects(scene, options.objects, options.load, common);
-    for (const SphereLight& light : options.sphere_lights) add_sphere_light(scene, light, "--sphere-light");
+    for (const SphereLightOption& light : options.sphere_lights) add_sphere_light(scene, light, "--sphere-light");
     if (method.extend) method.extend(scene);
     is_object.resize(scene.instances.size(), false);
   });

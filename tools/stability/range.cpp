@@ -309,8 +309,8 @@ std::vector<StabilityCase> stability_range_cases() {
       {.name = "far_from_origin",
        .title = "Geometry far from the origin",
        .sentence = "Up to 10 km from the origin a room of 2 m is baked as at the origin; at 100 km single precision "
-                   "can no longer place "
-                   "walls and rays, and E is wrong by tens of per cent: move scenes to the origin before baking.",
+                   "can no longer place walls and rays, and E is wrong by tens of per cent: scenes from files are "
+                   "moved there when they are loaded.",
        .x_label = "distance from the origin, m (room of 2 m, wall of 2 cm)",
        .y_label = "error / E",
        .log_x = true,

@@ -61,6 +61,14 @@ Rgb default_constant(const ViewSession& session) {
 
 Json vector_json(const V3f& v) { return {shortest(v.x), shortest(v.y), shortest(v.z)}; }
 
+// From where the object's file has it.
+Json offset_json(const ViewObject& object, double time_s, const V3d& anchor_m) {
+  const V3f now = place(object, time_s);
+  if (object.scene->anchor_m == anchor_m) return vector_json(now);
+  const V3d offset = offset_in_world(object, now, anchor_m);
+  return {offset.x, offset.y, offset.z};
+}
+
 // %d, or with a width: %04d.
 const std::regex& number_pattern() {
   static const std::regex pattern("%(0?[1-9]?)d");
@@ -158,14 +166,15 @@ std::string screenshot_name(const std::vector<std::string>& outputs, const std::
 
 Json describe(const ViewSession& session) {
   const ViewWorld& world = session.world;
+  const V3d& anchor_m = world.scene().anchor_m;
   Json json;
-  json["camera"] = {{"position_m", vector_json(eye(world.camera))},
+  json["camera"] = {{"position_m", shortest(eye(world.camera), anchor_m)},
                     {"forward", vector_json(forward(world.camera))},
-                    {"pivot_m", vector_json(pivot(world.camera))}};
+                    {"pivot_m", shortest(pivot(world.camera), anchor_m)}};
   json["objects"] = Json::array();
   for (const ViewObject& object : world.objects) {
     Json entry{{"name", object.name},
-               {"offset_m", vector_json(place(object, world.time_s))},
+               {"offset_m", offset_json(object, world.time_s, anchor_m)},
                {"method", name_of(object.light.method)}};
     if (object.light.asset != nullptr) entry["asset"] = object.light.asset->label();
     json["objects"].push_back(std::move(entry));

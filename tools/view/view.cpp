@@ -43,7 +43,7 @@ ViewRun finished(const ViewCommand& command) {
   run.settings.direct = !command.indirect_only;
   run.settings.constant_e_lux = Rgb(0, 0, 0);
   if (!command.constant.empty()) {
-    const V3f e = parse_vector3("--constant", command.constant);
+    const V3f e(parse_vector3("--constant", command.constant));
     if (!(e.x >= 0 && e.y >= 0 && e.z >= 0)) throw UsageError("--constant: irradiance is not negative");
     run.settings.constant_e_lux = e;
   }

@@ -184,9 +184,12 @@ struct Scene {
   std::vector<SphereLight> sphere_lights;
   std::optional<EnvironmentMap> environment;
   std::string content_hash;  // of the file and everything it refers to, hexadecimal
+  // Every position of the scene is local: it plus this is the world's, metres (grid/base/anchor.h). Zero near the
+  // world's origin.
+  V3d anchor_m{0, 0, 0};
 };
 
-// World bounds of all instances in metres; an empty box for a scene without triangles.
+// Local bounds of all instances in metres; an empty box for a scene without triangles.
 Box3f bounds(const Scene& scene);
 
 }  // namespace ivory

@@ -1,6 +1,7 @@
 #include "tracer/gltf/loader.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "grid/base/error.h"
 #include "tracer/gltf/accessors.h"
@@ -27,6 +28,15 @@ void drop_unused_meshes(Scene& scene) {
   }
   scene.meshes = std::move(kept);
   for (Instance& instance : scene.instances) instance.mesh = target[std::size_t(instance.mesh)];
+}
+
+void read_distances(const gltf::Document& document, LoadedScene& loaded) {
+  for (const tinygltf::Camera& camera : document.model.cameras)
+    loaded.camera_near.push_back(camera.type == "perspective" ? camera.perspective.znear : camera.orthographic.znear);
+  const nlohmann::json* lights = gltf::find_extension(*document.json, "KHR_lights_punctual");
+  if (lights == nullptr) return;
+  for (const nlohmann::json& light : (*lights)["lights"])
+    if (light.contains("range")) loaded.light_ranges.push_back(light["range"].get<double>());
 }
 
 }  // namespace
@@ -60,6 +70,7 @@ LoadedScene load_gltf(const std::string& path, const LoadParams& params) {
   for (const Mesh& mesh : scene.meshes) material_used[std::size_t(mesh.material)] = 1;
   gltf::load_images(document, material_used, scene);
   scene.content_hash = fmt::format("{:016x}", document.hash);
+  read_distances(document, loaded);
   loaded.warnings = std::move(document.warnings);
   return loaded;
 }

@@ -20,6 +20,9 @@ struct LoadParams {
 struct LoadedScene {
   Scene scene;
   std::vector<std::string> warnings;  // one line each: what was ignored or mended, and where
+  // Of all cameras and punctual lights of the file that state them, in its units: nothing else reads them.
+  std::vector<double> camera_near;
+  std::vector<double> light_ranges;
 };
 
 // Loads the file's default scene (the first where it names none, all nodes where it has none).

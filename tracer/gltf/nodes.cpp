@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include <ImathMatrixAlgo.h>
@@ -11,6 +10,7 @@
 
 #include "grid/base/memory.h"
 #include "tracer/gltf/accessors.h"
+#include "tracer/gltf/extent.h"
 #include "tracer/gltf/extras.h"
 #include "tracer/gltf/geometry.h"
 #include "tracer/gltf/node_tree.h"
@@ -22,7 +22,6 @@ namespace {
 using Imath::M44d;
 using nlohmann::json;
 
-constexpr float max_coordinate_m = 1e9F;
 // Below this a side of the transform counts as flattened: products of two such lengths, squared,
 // come near the end of float.
 constexpr double min_scale = 1e-6;
@@ -42,21 +41,46 @@ M44f to_float(const M44d& m) {
 
 class Placer {
  public:
-  Placer(Document& document, const MeshSet& meshes, const LoadParams& params, const M44d& file_to_scene, Scene& scene)
+  Placer(Document& document, const MeshSet& meshes, const LoadParams& params, Scene& scene)
       : document_(document),
         meshes_(meshes),
         scale_(params.scale),
-        file_to_scene_(file_to_scene),
         scene_(scene),
+        extent_(document, scene),
         left_out_materials_(scene.materials.size(), 0) {}
 
-  // `left_out`: by the caller's wish, for what its file would show.
-  void place(std::size_t index, const M44d& world, bool visible, bool left_out) {
+  // Of every node, before the first is placed: where it will stand in the world, metres. `file` is the transform of the
+  // file itself, which `world` ends with.
+  void measure(std::size_t index, const M44d& file, const M44d& world, bool visible, bool left_out) {
     const tinygltf::Node& node = document_.model.nodes[index];
-    const json& source = element(document_, "nodes", index);
     for (int i = 0; i < 16; ++i)
       if (!(std::abs(world[i / 4][i % 4]) < 1e30))
         document_.fail(node_label(document_, index) + " has a transform that is not finite", remedy);
+    if (!visible || left_out) return;
+    if (const std::optional<SphereLight> light = read_sphere_light(document_, index, to_float(world)))
+      extent_.add_ball(index, row(world, 3), double(light->radius_m));
+    if (node.mesh < 0) return;
+    const json* instancing = find_instancing(index);
+    if (instancing == nullptr) count_instances(index, 1);
+    for (const int primitive : meshes_.of_node[index]) {
+      if (meshes_.unlit[std::size_t(primitive)] != no_index) continue;
+      if (instancing != nullptr) {
+        const std::vector<M44d>& locals = instance_matrices(index, *instancing);
+        extent_.check_steps(index, primitive, locals);
+        for (const M44d& local : locals) extent_.add_mesh(index, primitive, local * world);
+      } else {
+        extent_.add_mesh(index, primitive, stands_at(primitive, file, world));
+      }
+    }
+  }
+
+  // The world's place of the scene, once all nodes are measured.
+  V3d choose_anchor() { return extent_.choose_anchor(); }
+
+  // `file` and `world` less the scene's anchor. `left_out`: by the caller's wish, for what its file would show.
+  void place(std::size_t index, const M44d& file, const M44d& world, bool visible, bool left_out) {
+    const tinygltf::Node& node = document_.model.nodes[index];
+    const json& source = element(document_, "nodes", index);
     if (node.camera >= 0) add_camera(index, std::size_t(node.camera), world);
     if (!visible) return;
     if (left_out) {
@@ -71,16 +95,12 @@ class Placer {
       scene_.instances.back().node = int(index);
     }
     if (node.mesh < 0) return;
-    const json* instancing = find_extension(source, "EXT_mesh_gpu_instancing");
-    if (instancing != nullptr && node.skin >= 0) {
-      document_.warn(node_label(document_, index) + " instances a skinned mesh; its joints place it, once");
-      instancing = nullptr;
-    }
-    if (instancing != nullptr) {
-      for (const M44d& local : instance_matrices(index, *instancing)) add_mesh(index, local * world);
+    if (const json* instancing = find_instancing(index)) {
+      for (const M44d& local : instance_matrices(index, *instancing)) add_mesh(index, file, local * world);
     } else {
-      count_instances(index, 1);
-      add_mesh(index, world);
+      if (find_extension(source, "EXT_mesh_gpu_instancing") != nullptr)
+        document_.warn(node_label(document_, index) + " instances a skinned mesh; its joints place it, once");
+      add_mesh(index, file, world);
     }
   }
 
@@ -96,6 +116,18 @@ class Placer {
   std::vector<char> left_out_materials() const { return left_out_materials_; }
 
  private:
+  // Null where the node's skin places its mesh.
+  const json* find_instancing(std::size_t index) const {
+    if (document_.model.nodes[index].skin >= 0) return nullptr;
+    return find_extension(element(document_, "nodes", index), "EXT_mesh_gpu_instancing");
+  }
+
+  // A skinned mesh stands where its joints have put it, not under its node.
+  M44d stands_at(int primitive, const M44d& file, const M44d& world) const {
+    const std::optional<V3d>& origin = meshes_.world_origin[std::size_t(primitive)];
+    return origin ? M44d().setTranslation(*origin) * file : world;
+  }
+
   // A few bytes of file can place any number: an accessor of zeros that instances a mesh, many nodes that share a
   // mesh of many primitives.
   void count_instances(std::size_t node, std::size_t count) {
@@ -104,8 +136,14 @@ class Placer {
     check_memory(document_.path, bytes_, "place fewer instances");
   }
 
-  // EXT_mesh_gpu_instancing: one instance an element, its transform before the node's.
-  std::vector<M44d> instance_matrices(std::size_t index, const json& extension) {
+  // EXT_mesh_gpu_instancing: one instance an element, its transform before the node's. Counted when first asked for.
+  const std::vector<M44d>& instance_matrices(std::size_t index, const json& extension) {
+    const auto known = instance_matrices_.find(index);
+    if (known != instance_matrices_.end()) return known->second;
+    return instance_matrices_[index] = read_instance_matrices(index, extension);
+  }
+
+  std::vector<M44d> read_instance_matrices(std::size_t index, const json& extension) {
     const std::string what = node_label(document_, index) + " (EXT_mesh_gpu_instancing)";
     const json& attributes = extension["attributes"];
     std::vector<V3f> translations;
@@ -134,14 +172,13 @@ class Placer {
     return matrices;
   }
 
-  void add_mesh(std::size_t node, const M44d& world) {
+  void add_mesh(std::size_t node, const M44d& file, const M44d& world) {
     for (const int primitive : meshes_.of_node[node]) {
       if (const int unlit = meshes_.unlit[std::size_t(primitive)]; unlit != no_index) {
         unlit_triangles_[unlit] += scene_.meshes[std::size_t(primitive)].triangles.size();
         continue;
       }
-      const std::optional<V3d>& origin = meshes_.world_origin[std::size_t(primitive)];
-      add_primitive(node, primitive, origin ? M44d().setTranslation(*origin) * file_to_scene_ : world);
+      add_primitive(node, primitive, stands_at(primitive, file, world));
     }
   }
 
@@ -150,9 +187,9 @@ class Placer {
     const double volume = std::abs(row(world, 0).cross(row(world, 1)).dot(row(world, 2)));
     const bool flat =
         std::min({sides[0], sides[1], sides[2]}) < min_scale || volume < 1e-7 * sides[0] * sides[1] * sides[2];
-    Instance instance{primitive, to_float(world), int(node)};
+    const M44d from_mesh = M44d().setTranslation(extent_.mesh_offset(primitive)) * world;
+    Instance instance{primitive, to_float(from_mesh), int(node)};
     if (flat && !add_flat_mesh(node, instance)) return;
-    check_extent(node, instance);
     scene_.instances.push_back(instance);
   }
 
@@ -180,24 +217,6 @@ class Placer {
     instance = {int(scene_.meshes.size()), M44f(), int(node)};
     scene_.meshes.push_back(std::move(mesh));
     return true;
-  }
-
-  void check_extent(std::size_t node, const Instance& instance) {
-    if (local_bounds_.size() < scene_.meshes.size()) local_bounds_.resize(scene_.meshes.size());
-    Box3f& local = local_bounds_[std::size_t(instance.mesh)];
-    if (local.isEmpty())
-      for (const V3f& p : scene_.meshes[std::size_t(instance.mesh)].positions) local.extendBy(p);
-    for (int corner = 0; corner < 8; ++corner) {
-      const V3f p = V3f((corner & 1) != 0 ? local.max.x : local.min.x, (corner & 2) != 0 ? local.max.y : local.min.y,
-                        (corner & 4) != 0 ? local.max.z : local.min.z) *
-                    instance.to_world;
-      const bool good =
-          std::abs(p.x) <= max_coordinate_m && std::abs(p.y) <= max_coordinate_m && std::abs(p.z) <= max_coordinate_m;
-      if (!good)
-        document_.fail(
-            fmt::format("{} places its mesh farther out than {} m", node_label(document_, node), max_coordinate_m),
-            "scale the model down");
-    }
   }
 
   // Right-handed, without scale: a node neither zooms a camera, nor may it mirror the picture.
@@ -291,12 +310,12 @@ class Placer {
   Document& document_;
   const MeshSet& meshes_;
   double scale_;  // metres a unit of the file
-  M44d file_to_scene_;
   Scene& scene_;
-  std::vector<Box3f> local_bounds_;
-  std::map<int, std::size_t> unlit_triangles_;  // by the file's material
-  std::vector<char> left_out_materials_;        // [material]
-  double bytes_ = 0;                            // of what is placed, here and in the ray tracer
+  Extent extent_;
+  std::map<std::size_t, std::vector<M44d>> instance_matrices_;  // [node]
+  std::map<int, std::size_t> unlit_triangles_;                  // by the file's material
+  std::vector<char> left_out_materials_;                        // [material]
+  double bytes_ = 0;                                            // of what is placed, here and in the ray tracer
 };
 
 }  // namespace
@@ -317,27 +336,39 @@ std::vector<char> place_nodes(Document& document, const MeshSet& meshes, const L
     bool left_out;
   };
   const std::vector<char> unwanted = find_nodes(document, params.without);
-  M44d file_to_scene;
-  file_to_scene.setScale(params.scale);
-  std::vector<Open> open;
   const std::vector<int> roots = root_nodes(document, parents);
-  for (auto root = roots.rbegin(); root != roots.rend(); ++root)
-    open.push_back({std::size_t(*root), file_to_scene, true, false});
   for (std::size_t i = 0; i < parents.size(); ++i)
     scene.nodes.push_back({document.model.nodes[i].name, parents[i], read_fiv_table(document, i)});
-  Placer placer(document, meshes, params, file_to_scene, scene);
-  while (!open.empty()) {
-    const Open current = open.back();
-    open.pop_back();
-    const M44d world = locals[current.node] * current.parent_world;
-    const json* visibility = find_extension(element(document, "nodes", current.node), "KHR_node_visibility");
-    const bool visible = current.visible && (visibility == nullptr || visibility->value("visible", true));
-    const bool left_out = current.left_out || unwanted[current.node] != 0;
-    placer.place(current.node, world, visible, left_out);
-    const std::vector<int>& children = document.model.nodes[current.node].children;
-    for (auto child = children.rbegin(); child != children.rend(); ++child)
-      open.push_back({std::size_t(*child), world, visible, left_out});
-  }
+  // visit(node, its transform, is it visible, is it left out), parents first; `file` is the transform of the file.
+  const auto walk = [&](const M44d& file, const auto& visit) {
+    std::vector<Open> open;
+    for (auto root = roots.rbegin(); root != roots.rend(); ++root)
+      open.push_back({std::size_t(*root), file, true, false});
+    while (!open.empty()) {
+      const Open current = open.back();
+      open.pop_back();
+      const M44d world = locals[current.node] * current.parent_world;
+      const json* visibility = find_extension(element(document, "nodes", current.node), "KHR_node_visibility");
+      const bool visible = current.visible && (visibility == nullptr || visibility->value("visible", true));
+      const bool left_out = current.left_out || unwanted[current.node] != 0;
+      visit(current.node, world, visible, left_out);
+      const std::vector<int>& children = document.model.nodes[current.node].children;
+      for (auto child = children.rbegin(); child != children.rend(); ++child)
+        open.push_back({std::size_t(*child), world, visible, left_out});
+    }
+  };
+  Placer placer(document, meshes, params, scene);
+  M44d file;
+  file.setScale(params.scale);
+  walk(file, [&](std::size_t node, const M44d& world, bool visible, bool left_out) {
+    placer.measure(node, file, world, visible, left_out);
+  });
+  scene.anchor_m = placer.choose_anchor();
+  // Taken off at the root, where files have the offset, it leaves what hangs below in small numbers.
+  for (int axis = 0; axis < 3; ++axis) file[3][axis] = -scene.anchor_m[axis] + 0.0;
+  walk(file, [&](std::size_t node, const M44d& world, bool visible, bool left_out) {
+    placer.place(node, file, world, visible, left_out);
+  });
   placer.warn_of_unlit();
   return placer.left_out_materials();
 }

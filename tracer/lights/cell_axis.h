@@ -42,6 +42,7 @@ struct CellAxis {
   }
   // Which stored one an unbounded cell is.
   int stored(int i) const {
+    if (i >= 0 && i < count) return i;
     if (order == Order::clamp) return std::clamp(i, 0, count - 1);
     const int p = period();
     const int r = ((i % p) + p) % p;

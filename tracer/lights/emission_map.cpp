@@ -175,6 +175,9 @@ CellValue make_cell(const EmissionMap& map, int i, int j) {
   return {std::max(sum(mean), most / 16), mean};
 }
 
+// Rounded to 0 a cell would never be chosen.
+float stored(double weight) { return std::max(float(weight), weight > 0 ? 1e-37F : 0.0F); }
+
 void store_cells(EmissionMap& map) {
   const auto width = std::size_t(map.x.count);
   map.weights.resize(width * std::size_t(map.y.count));
@@ -184,8 +187,7 @@ void store_cells(EmissionMap& map) {
       for (int i = 0; i < map.x.count; ++i) {
         const CellValue value = make_cell(map, i, j);
         const std::size_t at = std::size_t(j) * width + std::size_t(i);
-        // Rounded to 0 a cell would never be chosen.
-        map.weights[at] = std::max(float(value.weight), value.weight > 0 ? 1e-37F : 0.0F);
+        map.weights[at] = stored(value.weight);
         map.radiances[at] = Rgb(float(value.radiance.x), float(value.radiance.y), float(value.radiance.z));
       }
     }
@@ -222,7 +224,7 @@ void store_blocks(const EmissionMap& fine, EmissionMap& map) {
       }
       for (std::size_t i = 0; i < width; ++i) {
         const std::size_t at = std::size_t(block_j) * width + i;
-        map.weights[at] = std::max(float(weights[i]), weights[i] > 0 ? 1e-37F : 0.0F);
+        map.weights[at] = stored(weights[i]);
         map.radiances[at] = Rgb(float(radiances[i].x), float(radiances[i].y), float(radiances[i].z));
       }
     }
@@ -230,37 +232,43 @@ void store_blocks(const EmissionMap& fine, EmissionMap& map) {
 }
 
 V3d stored_radiance(const EmissionMap& map, int i, int j) {
-  if (map.weights.empty()) return mean_of_texels(map, i, j);
+  if (map.radiances.empty()) return mean_of_texels(map, i, j);
   const Rgb& value = map.radiances[std::size_t(j) * std::size_t(map.x.count) + std::size_t(i)];
   return {double(value.x), double(value.y), double(value.z)};
 }
 
 double stored_weight(const EmissionMap& map, int i, int j) {
-  if (map.weights.empty()) return sum(mean_of_texels(map, i, j));
   return double(map.weights[std::size_t(j) * std::size_t(map.x.count) + std::size_t(i)]);
+}
+
+// One row of cells of an opaque material's texels, as mean_of_texels() gives them, each column of texels once.
+std::vector<V3d> row_of_texels(const EmissionMap& map, int j) {
+  const bool nearest = map.scene->textures[std::size_t(map.use.texture)].nearest;
+  const auto column = [&](int i) {
+    const Corners c = corners_of(map, i, j);
+    return nearest ? emitted(map, c.x0, c.y0) : emitted(map, c.x0, c.y0) + emitted(map, c.x0, c.y1);
+  };
+  std::vector<V3d> row(std::size_t(map.x.count));
+  V3d left = column(0);
+  for (int i = 0; i < map.x.count; ++i) {
+    const V3d right = nearest && i + 1 == map.x.count ? left : column(i + 1);
+    row[std::size_t(i)] = nearest ? left : (left + right) * 0.25;
+    left = right;
+  }
+  return row;
 }
 
 void make_sums(EmissionMap& map) {
   const auto sums = std::size_t(sums_a_row(map.x));
+  const bool of_texels = map.radiances.empty();
+  map.weights.resize(std::size_t(map.x.count) * std::size_t(map.y.count));
   map.weight_sums.resize(sums * std::size_t(map.y.count));
   map.radiance_sums.resize(map.weight_sums.size());
-  const bool nearest = map.scene->textures[std::size_t(map.use.texture)].nearest;
   tbb::parallel_for(tbb::blocked_range<int>(0, map.y.count), [&](const tbb::blocked_range<int>& rows) {
     for (int j = rows.begin(); j < rows.end(); ++j) {
+      const std::vector<V3d> row = of_texels ? row_of_texels(map, j) : std::vector<V3d>();
       double weights = 0;
       V3d radiances(0, 0, 0);
-      // As mean_of_texels(), each column of texels once.
-      const auto column = [&](int i) {
-        const Corners c = corners_of(map, i, j);
-        return c.y0 == c.y1 ? emitted(map, c.x0, c.y0) : emitted(map, c.x0, c.y0) + emitted(map, c.x0, c.y1);
-      };
-      V3d left = map.weights.empty() ? column(0) : V3d(0, 0, 0);
-      const auto cell = [&](int i) {
-        const V3d right = column(i + 1);
-        const V3d value = nearest ? left : (left + right) * 0.25;
-        left = right;
-        return value;
-      };
       for (int i = 0; i <= map.x.count; ++i) {
         if (i % cells_a_sum == 0) {
           const std::size_t at = std::size_t(j) * sums + std::size_t(i / cells_a_sum);
@@ -268,9 +276,10 @@ void make_sums(EmissionMap& map) {
           map.radiance_sums[at] = radiances;
         }
         if (i == map.x.count) break;
-        const V3d value = map.weights.empty() ? cell(i) : stored_radiance(map, i, j);
-        weights += map.weights.empty() ? sum(value) : stored_weight(map, i, j);
-        radiances += value;
+        float& weight = map.weights[std::size_t(j) * std::size_t(map.x.count) + std::size_t(i)];
+        if (of_texels) weight = stored(sum(row[std::size_t(i)]));
+        weights += double(weight);
+        radiances += of_texels ? row[std::size_t(i)] : stored_radiance(map, i, j);
       }
     }
   });

@@ -19,9 +19,8 @@ struct EmissionMap {
   CellAxis y;
   // Radiance is a function of the cell: true unless coverage goes by other coordinates than emission.
   bool whole = true;
-  // Stored values, [y.count][x.count]; empty where they are read from the texels: opaque and not joined to blocks.
-  std::vector<float> weights;
-  std::vector<Rgb> radiances;  // as sums below
+  std::vector<float> weights;  // [y.count][x.count]: cell_weight()
+  std::vector<Rgb> radiances;  // the same of cell_radiance(); empty where texels tell: opaque and not joined to blocks
   // Sums before every 16th stored cell of a row, [y.count][blocks a row].
   std::vector<double> weight_sums;
   std::vector<V3d> radiance_sums;  // empty once forget_radiance() was called

@@ -124,19 +124,27 @@ const std::array<QuadraturePoint, 7>& radon_points() {
   return points;
 }
 
-// Integral of value(corner) over a triangle of corners, `cuts` halvings of its sides.
+// Integral of value(corner) over a triangle of corners whose sides are halved `cuts` times; of these, those after the
+// first `always` only where the value is nothing in some places and something in others: along the edges of a mask.
 template <typename Value>
-V3d integral(const TexelCorner& a, const TexelCorner& b, const TexelCorner& c, int cuts, const Value& value) {
+V3d integral(const TexelCorner& a, const TexelCorner& b, const TexelCorner& c, int cuts, int always,
+             const Value& value) {
   const auto mix = [&](double wa, double wb, double wc) {
     return TexelCorner{wa * a.b1 + wb * b.b1 + wc * c.b1, wa * a.b2 + wb * b.b2 + wc * c.b2,
                        wa * a.x + wb * b.x + wc * c.x, wa * a.y + wb * b.y + wc * c.y};
   };
-  if (cuts > 0) {
+  const auto is_mixed = [&] {
+    const bool dark = value(mix(1.0 / 3, 1.0 / 3, 1.0 / 3)) == V3d(0, 0, 0);
+    return std::ranges::any_of(std::array<const TexelCorner*, 3>{&a, &b, &c},
+                               [&](const TexelCorner* at) { return (value(*at) == V3d(0, 0, 0)) != dark; });
+  };
+  if (cuts > 0 && (always > 0 || is_mixed())) {
     const TexelCorner ab = mix(0.5, 0.5, 0);
     const TexelCorner bc = mix(0, 0.5, 0.5);
     const TexelCorner ca = mix(0.5, 0, 0.5);
-    return integral(a, ab, ca, cuts - 1, value) + integral(ab, b, bc, cuts - 1, value) +
-           integral(ca, bc, c, cuts - 1, value) + integral(ab, bc, ca, cuts - 1, value);
+    const int left = cuts - 1;
+    return integral(a, ab, ca, left, always - 1, value) + integral(ab, b, bc, left, always - 1, value) +
+           integral(ca, bc, c, left, always - 1, value) + integral(ab, bc, ca, left, always - 1, value);
   }
   V3d sum(0, 0, 0);
   for (const QuadraturePoint& q : radon_points()) sum += value(mix(q.a, q.b, q.c)) * q.weight;
@@ -144,10 +152,10 @@ V3d integral(const TexelCorner& a, const TexelCorner& b, const TexelCorner& c, i
 }
 
 template <typename Value>
-V3d integral(const TexelPolygon& polygon, int cuts, const Value& value) {
+V3d integral(const TexelPolygon& polygon, int cuts, int always, const Value& value) {
   V3d sum(0, 0, 0);
   for (std::size_t k = 2; k < polygon.count; ++k)
-    sum += integral(polygon.corners[0], polygon.corners[k - 1], polygon.corners[k], cuts, value);
+    sum += integral(polygon.corners[0], polygon.corners[k - 1], polygon.corners[k], cuts, always, value);
   return sum;
 }
 
@@ -211,9 +219,10 @@ class Integrator {
       return light;
     }
     if (by_cell_ && (joined_ || opaque_)) return cell_radiance(map_, i, j) * area_of(part);
-    // A cut-off makes steps.
-    const int cuts = material_.alpha_mode == AlphaMode::mask ? 2 : joined_ ? 3 : same_size_ ? 0 : 1;
-    return integral(part, cuts, [&](const TexelCorner& at) {
+    // A cut-off makes steps, another texture kinks.
+    const bool mask = material_.alpha_mode == AlphaMode::mask;
+    const int always = mask ? 1 : joined_ ? 3 : same_size_ ? 0 : 1;
+    return integral(part, mask ? 4 : always, always, [&](const TexelCorner& at) {
       const Rgb l = covered_emission_at(scene_, mesh_, triangle, V2f(float(at.b1), float(at.b2)));
       return V3d(double(l.x), double(l.y), double(l.z));
     });
@@ -327,9 +336,9 @@ V2f point_in(const TexelPolygon& polygon, float u_part, const V2f& u) {
   const V2f at = sample_triangle(u);
   const double wb = double(at.x);
   const double wc = double(at.y);
-  const double b1 = a.b1 + (b.b1 - a.b1) * wb + (c.b1 - a.b1) * wc;
-  const double b2 = a.b2 + (b.b2 - a.b2) * wb + (c.b2 - a.b2) * wc;
-  return {float(std::clamp(b1, 0.0, 1.0)), float(std::clamp(b2, 0.0, 1.0 - b1))};
+  const double b1 = std::clamp(a.b1 + (b.b1 - a.b1) * wb + (c.b1 - a.b1) * wc, 0.0, 1.0);
+  const double b2 = std::clamp(a.b2 + (b.b2 - a.b2) * wb + (c.b2 - a.b2) * wc, 0.0, 1.0 - b1);
+  return {float(b1), float(b2)};
 }
 
 std::span<const double> sums_of(const MeshEmission& emission, int triangle) {
@@ -380,8 +389,8 @@ std::vector<std::unique_ptr<const MeshEmission>> make_mesh_emissions(const Scene
       if (!map) {
         const double cells = double(axes->x.count) * axes->y.count / join / join;
         const bool stored = join > 1 || material.alpha_mode != AlphaMode::opaque;
-        check_memory(scene.name, bytes + cells * (stored ? 18 : 2), "use smaller emissive textures or fewer of them");
-        bytes += cells * (stored ? 4.5 : 0.5);
+        check_memory(scene.name, bytes + cells * (stored ? 18 : 6), "use smaller emissive textures or fewer of them");
+        bytes += cells * 4.5;
         map = std::make_shared<EmissionMap>(*make_emission_map(scene, mesh.material, join));
       }
       emission->map = map;

@@ -248,6 +248,7 @@ StoredPicture read_file(const std::string& path, const std::string& remedy) {
   const Window display = window_of(header.displayWindow());
   if (Imf::hasEnvmap(header))
     picture.layout = Imf::envmap(header) == Imf::ENVMAP_CUBE ? EnvironmentLayout::cube : EnvironmentLayout::latlong;
+  for (const Window& window : {data, display}) check_claimed_size(path, window.width, window.height);
   check_memory(
       path,
       2 * sizeof(Rgb) * (double(data.width) * double(data.height) + double(display.width) * double(display.height)),

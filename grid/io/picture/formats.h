@@ -1,6 +1,7 @@
 // The readers behind read_picture(), one a kind of format. Private to grid/io.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -25,6 +26,9 @@ StoredPicture read_radiance_picture(const std::string& path, const std::string& 
 // The primaries that a PNG's chunk cHRM states, which OpenImageIO does not tell; none where sRGB or a profile stands in
 // its place.
 std::optional<Primaries> png_primaries(const std::string& path);
+
+// Throws Error where no compression could hold so many pixels in the file's bytes: before memory is taken for them.
+void check_claimed_size(const std::string& path, std::int64_t width, std::int64_t height);
 
 // All else.
 StoredPicture read_other_picture(const std::string& path, const std::string& remedy);

@@ -51,8 +51,10 @@ void set_transfer(StoredPicture& picture, const std::string& path, const ImageHe
     if (!integers) return;
     picture.transfer = Transfer::srgb;
     if (has_srgb_profile(header)) return;
+    const std::size_t digits = header.pixel_type.find_first_of("0123456789");
+    const std::string bits = digits == std::string::npos ? "32" : header.pixel_type.substr(digits);
     picture.color_warnings.push_back(
-        fmt::format("has {} and says no colour space that ivory knows: sRGB is assumed", header.pixel_type));
+        fmt::format("states no colour space for its {} bits a channel: sRGB is assumed", bits));
   } else {
     throw Error(path, "is coded as " + space + ", which ivory does not decode", "convert it to linear OpenEXR");
   }
@@ -84,6 +86,13 @@ void divide_by_alpha(float* texel, int colors, float alpha) {
 }
 
 }  // namespace
+
+void check_claimed_size(const std::string& path, std::int64_t width, std::int64_t height) {
+  constexpr double most_pixels_per_byte = 65536;  // black in OpenEXR's large blocks stays far below
+  const auto bytes = std::filesystem::file_size(path);
+  if (double(width) * double(height) > most_pixels_per_byte * double(bytes))
+    throw Error(path, fmt::format("claims {} x {} pixels in {} bytes", width, height, bytes), "export it again");
+}
 
 StoredPicture read_other_picture(const std::string& path, const std::string& remedy) {
   std::string cause;

@@ -222,6 +222,7 @@ StoredPicture read_radiance_picture(const std::string& path, const std::string& 
   Reader reader(path, remedy, bytes);
   const RadianceHeader header = reader.header();
   const auto count = std::size_t(header.width) * std::size_t(header.height);
+  check_claimed_size(path, header.width, header.height);
   check_memory(path, double(count) * (4 + 2 * sizeof(Rgb)), "scale it down");
 
   StoredPicture picture;

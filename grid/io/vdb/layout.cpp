@@ -6,6 +6,7 @@
 #include <span>
 #include <string_view>
 
+#include "grid/base/anchor.h"
 #include "grid/base/error.h"
 
 namespace ivory {
@@ -118,20 +119,22 @@ std::vector<std::string> sum_field_names(const SumLayout& layout) {
   return names;
 }
 
-std::array<double, 16> transform_matrix(const GridFrame& frame) {
+std::array<double, 16> transform_matrix(const PlacedFrame& placed) {
+  const GridFrame& frame = placed.frame;
   std::array<double, 16> m{};
   for (int row = 0; row < 3; ++row) {
     // Products of floats are exact in double.
     for (int column = 0; column < 3; ++column)
       m[4 * std::size_t(row) + std::size_t(column)] =
           double(frame.spacing_m[row]) * double(frame.local_to_world[row][column]);
-    m[12 + std::size_t(row)] = double(frame.origin_m[row]);
+    m[12 + std::size_t(row)] = double(frame.origin_m[row]) + placed.anchor_m[row];
   }
   m[15] = 1;
   return m;
 }
 
-GridFrame frame_from_transform(const std::string& path, const std::array<double, 16>& matrix, const GridFrame& stored) {
+PlacedFrame frame_from_transform(const std::string& path, const std::array<double, 16>& matrix,
+                                 const PlacedFrame& stored) {
   const auto refuse = [&](const std::string& cause) {
     return Error(path, "its transform " + cause, "only moving, rotating and even scaling keep a grid readable");
   };
@@ -145,7 +148,7 @@ GridFrame frame_from_transform(const std::string& path, const std::array<double,
   }
   if (difference <= 1e-12 * largest) return stored;  // OpenVDB keeps simple maps as scales and shifts
 
-  GridFrame frame = stored;
+  GridFrame frame = stored.frame;
   std::array<V3d, 3> axis;
   double least_scale = std::numeric_limits<double>::infinity();
   double greatest_scale = 0;
@@ -157,9 +160,8 @@ GridFrame frame_from_transform(const std::string& path, const std::array<double,
     if (!(length > 0)) throw refuse("is flat");
     a /= length;
     frame.spacing_m[row] = float(length);
-    frame.origin_m[row] = float(matrix[12 + std::size_t(row)]);
     for (int column = 0; column < 3; ++column) frame.local_to_world[row][column] = float(a[column]);
-    const double scale = length / double(stored.spacing_m[row]);
+    const double scale = length / double(stored.frame.spacing_m[row]);
     least_scale = std::min(least_scale, scale);
     greatest_scale = std::max(greatest_scale, scale);
   }
@@ -169,7 +171,11 @@ GridFrame frame_from_transform(const std::string& path, const std::array<double,
     throw refuse("is sheared");
   if (axis[0].cross(axis[1]).dot(axis[2]) < 0) throw refuse("is mirrored");
   if (greatest_scale > least_scale * (1 + tolerance)) throw refuse("is stretched unevenly");
-  return frame;
+  const V3d corner(matrix[12], matrix[13], matrix[14]);
+  const V3d reach = V3d(frame.direction_to_world((V3f(frame.size) - V3f(1, 1, 1)) * frame.spacing_m)) * 0.5;
+  const V3d anchor_m = choose_anchor(corner + reach, reach.length());
+  frame.origin_m = to_local(corner, anchor_m);
+  return {frame, anchor_m};
 }
 
 }  // namespace ivory

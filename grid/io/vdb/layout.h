@@ -21,7 +21,8 @@ inline constexpr const char* vdb_accumulator_kind = "photon sums";
 inline const std::string file_prefix = "ivory_file_";
 inline const std::string counter_prefix = "ivory_file_counter_";
 inline const std::string meta_prefix = "ivory_";
-inline const std::string light_key = "light";  // of StoredLight, behind meta_prefix
+inline const std::string anchor_key = "anchor_m";  // of grids that have one, behind file_prefix; origin_m is less it
+inline const std::string light_key = "light";      // of StoredLight, behind meta_prefix
 
 inline constexpr const char* visible_fraction_name = "visible_fraction";
 inline constexpr const char* variance_name = "variance";
@@ -51,11 +52,20 @@ std::vector<VectorField> vector_fields(Basis basis);
 // second moments; in the order of GridAccumulator::sums.
 std::vector<std::string> sum_field_names(const SumLayout& layout);
 
-// Index to world as a 4x4 matrix for row vectors, row by row; exact.
-std::array<double, 16> transform_matrix(const GridFrame& frame);
+// Where a grid stands: GridVertices' frame and anchor.
+struct PlacedFrame {
+  GridFrame frame;
+  V3d anchor_m{0, 0, 0};
+};
+
+// Index to world as a 4x4 matrix for row vectors, row by row; exact but for the anchor's place, which is rounded to
+// double.
+std::array<double, 16> transform_matrix(const PlacedFrame& placed);
 
 // `stored` where the matrix is still its own; otherwise, in a file that another program has moved, rotated or scaled
-// evenly, the frame that the matrix describes. Throws Error for any other matrix; `path` is for its message.
-GridFrame frame_from_transform(const std::string& path, const std::array<double, 16>& matrix, const GridFrame& stored);
+// evenly, the frame that the matrix describes, relative to an anchor of its own where it went far from the stored
+// one's. Throws Error for any other matrix; `path` is for its message.
+PlacedFrame frame_from_transform(const std::string& path, const std::array<double, 16>& matrix,
+                                 const PlacedFrame& stored);
 
 }  // namespace ivory

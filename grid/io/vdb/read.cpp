@@ -9,6 +9,7 @@
 #include <openvdb/io/File.h>
 #include <openvdb/openvdb.h>
 
+#include "grid/base/anchor.h"
 #include "grid/base/error.h"
 #include "grid/base/memory.h"
 #include "grid/io/vdb/layout.h"
@@ -89,7 +90,7 @@ struct OpenFile {
     GridFrame frame;
     const auto size = get<openvdb::Vec3i>("size");
     frame.size = {size.x(), size.y(), size.z()};
-    frame.origin_m = get_vector("origin_m");
+    frame.origin_m = get_vector("origin_m");  // less the anchor
     frame.spacing_m = get_vector("spacing_m");
     double bytes = double(bytes_per_vertex);
     for (int axis = 0; axis < 3; ++axis) {
@@ -104,6 +105,16 @@ struct OpenFile {
     }
     check_memory(path, bytes, "use a larger machine or bake at a lower resolution");
     return frame;
+  }
+
+  // Zero in files of grids near the world's origin, which state none.
+  V3d stored_anchor() const {
+    if (!(*metadata)[file_prefix + anchor_key]) return V3d(0, 0, 0);
+    const auto v = get<openvdb::Vec3d>(anchor_key);
+    const V3d anchor_m(v.x(), v.y(), v.z());
+    if (!(std::abs(anchor_m.x) <= 1e30 && std::abs(anchor_m.y) <= 1e30 && std::abs(anchor_m.z) <= 1e30))
+      throw missing(file_prefix + anchor_key);
+    return anchor_m;
   }
 
   // Grid `grid_name` as type Grid, inside the index box and placed as the others.
@@ -197,7 +208,9 @@ ReadVertices read_vertices(OpenFile& in, Basis basis, std::size_t bytes_per_vert
   const openvdb::Mat4d matrix = read.transform->baseMap()->getAffineMap()->getMat4();
   std::array<double, 16> entries;
   std::copy_n(matrix.asPointer(), 16, entries.begin());
-  out.frame = frame_from_transform(in.path, entries, stored);
+  const PlacedFrame placed = frame_from_transform(in.path, entries, {stored, in.stored_anchor()});
+  out.frame = placed.frame;
+  out.anchor_m = placed.anchor_m;
   out.visible_fraction.assign(stored.vertex_count(), 0.0F);
   for_each_vertex(*visible, stored, [&](std::size_t vertex, float value) {
     if (!(value >= 0 && value <= 1)) throw Error(in.path, "grid visible_fraction leaves 0 to 1", read_remedy);
@@ -285,6 +298,10 @@ Metadata read_info(OpenFile& in) {
     const std::string key =
         entry->first.substr(entry->first.starts_with(counter_prefix) ? counter_prefix.size() : file_prefix.size());
     info[key] = value_of(*entry->second);
+  }
+  if (const V3d anchor_m = in.stored_anchor(); anchor_m != V3d(0, 0, 0)) {
+    const V3d origin_m = to_world(in.get_vector("origin_m"), anchor_m);
+    info["origin_m"] = fmt::format("[{}, {}, {}]", origin_m.x, origin_m.y, origin_m.z);
   }
   std::string names;
   for (auto grid_name = in.file.beginName(); grid_name != in.file.endName(); ++grid_name)

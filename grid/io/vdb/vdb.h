@@ -18,6 +18,10 @@
 
 namespace ivory {
 
+// Throws Error where the voxels are too small for the file's transform: OpenVDB takes no volume below 3e-15, edges of
+// 15 micrometres. To be asked before a bake: write_vdb() throws so after it.
+void check_voxels(const std::string& path, const GridFrame& frame);
+
 // Whole or not at all: written under a temporary name in the same folder, then renamed. Throw Error where the file
 // exists and not `force`, or cannot be written.
 void write_vdb(const std::string& path, const IrradianceGrid& grid, bool force);

@@ -3,6 +3,7 @@
 #include <cassert>
 #include <sstream>
 
+#include <fmt/format.h>
 #include <openvdb/openvdb.h>
 #include <tbb/parallel_for.h>
 
@@ -18,8 +19,8 @@ namespace {
 
 using Vec3fGrid = openvdb::Vec3SGrid;
 
-openvdb::math::Transform::Ptr transform_of(const GridFrame& frame) {
-  const auto m = transform_matrix(frame);
+openvdb::math::Transform::Ptr transform_of(const GridVertices& grid) {
+  const auto m = transform_matrix({grid.frame, grid.anchor_m});
   return openvdb::math::Transform::createLinearTransform(openvdb::Mat4d(m.data()));
 }
 
@@ -65,6 +66,8 @@ openvdb::MetaMap common_metadata(const char* kind, const GridVertices& vertices)
   map.insertMeta(file_prefix + "size",
                  openvdb::Vec3IMetadata(openvdb::Vec3i(frame.size.x, frame.size.y, frame.size.z)));
   put(map, file_prefix + "origin_m", frame.origin_m);
+  if (const V3d& a = vertices.anchor_m; a != V3d(0, 0, 0))
+    map.insertMeta(file_prefix + anchor_key, openvdb::Vec3DMetadata(openvdb::Vec3d(a.x, a.y, a.z)));
   put(map, file_prefix + "spacing_m", frame.spacing_m);
   for (int axis = 0; axis < 3; ++axis) {
     const auto& row = frame.local_to_world[axis];
@@ -147,12 +150,23 @@ std::string resave_vdb(const std::string& path) {
   return MemoryArchive().sealed_bytes({grids->begin(), grids->end()}, metadata ? *metadata : openvdb::MetaMap());
 }
 
+void check_voxels(const std::string& path, const GridFrame& frame) {
+  constexpr double least_volume_m3 = 3e-15;  // openvdb::math::AffineMap: three times Tolerance<double>
+  const V3d h(frame.spacing_m);
+  if (h.x * h.y * h.z > least_volume_m3 * 1.001) return;
+  throw Error(path,
+              fmt::format("cannot hold voxels of {:.2g} x {:.2g} x {:.2g} m: a .vdb file needs edges of 1.5e-05 m", h.x,
+                          h.y, h.z),
+              "ask for larger voxels, or take the scene's units for larger ones");
+}
+
 void write_vdb(const std::string& path, const IrradianceGrid& grid, bool force) {
+  check_voxels(path, grid.frame);
   openvdb::initialize();
   guarded(path, [&] {
     const std::vector<float> values = file_values_from_moments(grid.basis, grid.moments);
     const auto stride = std::size_t(file_stride(grid.basis));
-    const auto transform = transform_of(grid.frame);
+    const auto transform = transform_of(grid);
     std::vector<bool> active(grid.frame.vertex_count());
     for (std::size_t vertex = 0; vertex < active.size(); ++vertex) active[vertex] = grid.visible_fraction[vertex] > 0;
 
@@ -186,11 +200,12 @@ void write_vdb(const std::string& path, const IrradianceGrid& grid, bool force) 
 }
 
 void write_vdb(const std::string& path, const GridAccumulator& accumulator, bool force) {
+  check_voxels(path, accumulator.frame);
   openvdb::initialize();
   guarded(path, [&] {
     const std::vector<std::string> names = sum_field_names(sum_layout(accumulator.basis, accumulator.estimator));
     const std::size_t stride = names.size();
-    const auto transform = transform_of(accumulator.frame);
+    const auto transform = transform_of(accumulator);
     std::vector<bool> active(accumulator.frame.vertex_count());
     for (std::size_t vertex = 0; vertex < active.size(); ++vertex) {
       const auto first = accumulator.sums.begin() + std::ptrdiff_t(vertex * stride);

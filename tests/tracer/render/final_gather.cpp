@@ -18,8 +18,9 @@ namespace {
 IrradianceGrid uniform_grid(float radiance) {
   IrradianceGrid grid;
   grid.frame.size = V3i(2, 2, 2);
-  grid.frame.origin_m = V3f(-1, -1, -1);
-  grid.frame.spacing_m = V3f(2, 2, 2);
+  // Within the walls: vertices on them see nothing.
+  grid.frame.origin_m = V3f(-0.9F, -0.9F, -0.9F);
+  grid.frame.spacing_m = V3f(1.8F, 1.8F, 1.8F);
   grid.basis = Basis::ambient_cube;
   // Moments of max(0, w_i): pi L each.
   grid.moments.assign(8 * 18, pi * radiance);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "grid/base/error.h"
+#include "grid/io/cubemap.h"
 #include "grid/io/difmap.h"
 #include "grid/io/fiv.h"
 #include "grid/io/sh9.h"
@@ -71,12 +72,13 @@ GridAsset make_grid_asset(const std::string& path, const IrradianceGrid& grid) {
   asset.typical_vector_lux = typical_vector(grid);
   asset.mean_e_lux = mean_irradiance(grid);
   asset.holds_direct = grid.light != StoredLight::indirect;
-  asset.scene_hash = text_of(grid.metadata, "scene_hash");
   return asset;
 }
 
-std::unique_ptr<ViewAsset> make_asset(const std::string& path, AssetData data, std::string environment_hash = {}) {
-  return std::make_unique<ViewAsset>(ViewAsset{path, std::move(data), std::move(environment_hash)});
+std::unique_ptr<ViewAsset> make_asset(const std::string& path, AssetData data, std::string environment_hash = {},
+                                      Metadata metadata = {}) {
+  return std::make_unique<ViewAsset>(
+      ViewAsset{path, std::move(data), std::move(environment_hash), std::move(metadata)});
 }
 
 }  // namespace
@@ -103,18 +105,24 @@ std::size_t ViewAsset::bytes() const {
   return std::visit(Bytes{}, data);
 }
 
-std::unique_ptr<ViewAsset> load_view_asset(const std::string& path, FileKind kind) {
+std::unique_ptr<ViewAsset> load_view_asset(const std::string& path, FileKind kind, const V3d& anchor_m) {
   switch (kind) {
-    case FileKind::grid:
-      return make_asset(path, make_grid_asset(path, load_grid_vdb(path)));
+    case FileKind::grid: {
+      IrradianceGrid grid = load_grid_vdb(path);
+      set_anchor(grid, anchor_m);
+      return make_asset(path, make_grid_asset(path, grid), {}, grid.metadata);
+    }
     case FileKind::sh9: {
       const Sh9Asset sh9 = read_sh9(path);
       return make_asset(path, upload(sh9.sh), text_of(sh9.metadata, "environment_hash"));
     }
     case FileKind::difmap:
       return make_view_difmap(path, read_difmap(path));
-    case FileKind::cubemap:
-      return make_asset(path, load_localized_cube(path));
+    case FileKind::cubemap: {
+      LocalizedCube cube = read_localized_cube(path);
+      set_anchor(cube, anchor_m);
+      return make_asset(path, upload(cube, path), {}, cube.metadata);
+    }
     case FileKind::fiv: {
       FivTable table = read_fiv(path);
       std::string hash = text_of(table.metadata, "environment_hash");

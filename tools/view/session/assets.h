@@ -23,7 +23,6 @@ struct GridAsset {
   float typical_vector_lux = 0;  // length that nineteen in twenty of the stored vectors stay under
   Rgb mean_e_lux{0, 0, 0};       // about
   bool holds_direct = false;     // light as well as indirect
-  std::string scene_hash;        // of the scene that it was baked from
 };
 
 struct DifMapAsset {
@@ -34,7 +33,7 @@ struct DifMapAsset {
 // It casts shadows by method lobes.
 struct SphereSetAsset {
   SphereSet set;
-  V3f offset_m{0, 0, 0};  // from where its file has it
+  V3d offset_m{0, 0, 0};  // from where its file has it
 };
 
 // FIV tables wait on the CPU: on the GPU all of them are one texture (tools/view/session/occluders.h).
@@ -44,6 +43,7 @@ struct ViewAsset {
   std::string path;
   AssetData data;
   std::string environment_hash;  // of the environment that it was baked from; empty: of none
+  Metadata metadata;             // of grids and localized cube maps
 
   FileKind kind() const;
   std::string label() const;  // the path without folders
@@ -55,8 +55,9 @@ using ViewAssets = std::vector<std::unique_ptr<ViewAsset>>;
 
 // All need a current context and throw Error as upload() does.
 
-// Reads and uploads. Throws Error as the kind's reader does too, and for a kind that lights no scene.
-std::unique_ptr<ViewAsset> load_view_asset(const std::string& path, FileKind kind);
+// Reads and uploads, for a scene of that anchor. Throws Error as the kind's reader does too, and for a kind that lights
+// no scene.
+std::unique_ptr<ViewAsset> load_view_asset(const std::string& path, FileKind kind, const V3d& anchor_m);
 
 // Of a map made in memory; `path` names it.
 std::unique_ptr<ViewAsset> make_view_difmap(const std::string& path, const DifMap& map);

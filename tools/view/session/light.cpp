@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "grid/base/anchor.h"
 #include "grid/base/error.h"
 #include "tools/view/draw/debug.h"
 #include "tools/view/session/occluders.h"
@@ -35,15 +36,17 @@ const ViewAsset* asset_for(const ViewSession& session, ViewMethod method) {
   }
 }
 
-// A set that was fitted to an object's file goes where the object goes.
+// What to add to its centres. A set that was fitted to an object's file goes where the object goes.
 V3f place_of_spheres(const ViewSession& session, const SphereSetAsset& spheres) {
   const auto hash = spheres.set.metadata.find("mesh_hash");
-  if (hash == spheres.set.metadata.end()) return spheres.offset_m;
+  const V3d from = spheres.set.anchor_m + spheres.offset_m;
+  const V3f unmoved = to_local(from, session.world.scene().anchor_m);
+  if (hash == spheres.set.metadata.end()) return unmoved;
   for (const ViewObject& object : session.world.objects) {
     if (object.moves && hash->second == MetaValue(object.scene->content_hash))
-      return spheres.offset_m + place(object, session.world.time_s);
+      return to_local(from, object.scene->anchor_m) + place(object, session.world.time_s);
   }
-  return spheres.offset_m;
+  return unmoved;
 }
 
 // Groups of spheres take longer to build than a point of each pixel to draw: only when one of them moved.

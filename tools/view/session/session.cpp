@@ -6,14 +6,13 @@
 
 #include <fmt/format.h>
 
+#include "grid/base/anchor.h"
 #include "grid/base/error.h"
 #include "grid/env/irradiance.h"
 #include "tools/input/objects.h"
 #include "tools/view/session/occluders.h"
 #include "tracer/core/camera.h"
-#include "tracer/gltf/loader.h"
 #include "tracer/image/file.h"
-#include "tracer/lights/sphere.h"
 
 namespace ivory {
 
@@ -33,12 +32,14 @@ void add_object(ViewSession& session, ViewObject object) {
   objects.push_back(std::move(object));
 }
 
-ViewObject load_object(ViewSession& session, const std::string& path, const V3f& offset_m) {
-  LoadedScene loaded = load_gltf(path, object_params(session.load));
+// At that offset in the world from where its file has it.
+ViewObject load_object(ViewSession& session, const std::string& path, const V3d& offset_m, const V3d& anchor_m) {
+  LoadedScene loaded = load_scene(path, object_params(session.load));
   append(session.notes, loaded.warnings, "warning: ");
   if (!loaded.scene.lights.empty() || !loaded.scene.sphere_lights.empty())
     session.notes.push_back(fmt::format("note: the lights of {} are left out", path));
-  return make_object(file_name(path), std::move(loaded.scene), offset_m, true);
+  const V3f place = to_local(loaded.scene.anchor_m + offset_m, anchor_m);
+  return make_object(file_name(path), std::move(loaded.scene), place, true);
 }
 
 // Also as a DifMap, by which surfaces are lit without any file baked: a second's work.
@@ -116,8 +117,11 @@ std::size_t ViewSession::bytes() const {
 ViewSession open_session(const SessionInput& input) {
   ViewSession session;
   session.load = input.load;
-  LoadedScene loaded = load_gltf(input.scene, input.load.load);
+  LoadedScene loaded = load_scene(input.scene, input.load.load);
   append(session.notes, loaded.warnings, "warning: ");
+  session.scene_facts["scene"] = file_name(input.scene);
+  session.scene_facts["scene_hash"] = loaded.scene.content_hash;
+  describe(input.load, session.scene_facts);
   std::vector<ViewObject> objects;
   if (input.paths.size() > input.objects.size())
     throw UsageError("more --path than --object: each path moves the object of its number");
@@ -127,14 +131,14 @@ ViewSession open_session(const SessionInput& input) {
   for (const std::string& text : input.occluders) add_occluder(loaded.scene, text, names, files);
   for (const std::string& text : names) {
     if (const std::optional<ObjectFile> file = parse_object(text)) {
-      objects.push_back(load_object(session, file->path, file->translation));
+      objects.push_back(load_object(session, file->path, file->translation, loaded.scene.anchor_m));
     } else {
       objects.push_back(make_object(text, take_node(loaded.scene, text), V3f(0, 0, 0), true));
     }
   }
   for (std::size_t i = 0; i < input.paths.size(); ++i) objects[i].path = parse_path(input.paths[i]);
 
-  for (const SphereLight& light : input.sphere_lights) add_sphere_light(loaded.scene, light, "--sphere-light");
+  for (const SphereLightOption& light : input.sphere_lights) add_sphere_light(loaded.scene, light, "--sphere-light");
   session.direct = runtime_lights(loaded.scene);
   add_object(session, make_object(file_name(input.scene), std::move(loaded.scene), V3f(0, 0, 0), false));
   for (ViewObject& object : objects) add_object(session, std::move(object));
@@ -150,7 +154,7 @@ ViewSession open_session(const SessionInput& input) {
   for (const std::string& path : files) add_file(session, path, std::nullopt, input.size);
   for (const std::string& text : input.spheres) {
     const std::size_t at = text.rfind('@');
-    auto asset = load_view_asset(text.substr(0, at), FileKind::spheres);
+    auto asset = load_view_asset(text.substr(0, at), FileKind::spheres, session.world.scene().anchor_m);
     if (at != std::string::npos)
       std::get<SphereSetAsset>(asset->data).offset_m =
           parse_vector3("--spheres", std::string_view(text).substr(at + 1));
@@ -165,7 +169,7 @@ std::string add_file(ViewSession& session, const std::string& path, const std::o
                      const Imath::V2i& size) {
   const FileKind kind = file_kind(path);
   if (kind == FileKind::scene) {
-    ViewObject object = load_object(session, path, V3f(0, 0, 0));
+    ViewObject object = load_object(session, path, V3d(0, 0, 0), session.world.scene().anchor_m);
     // It stands on the point: the lowest of its sphere's middle.
     if (at) {
       const Box3f box = bounds(*object.scene);
@@ -195,9 +199,10 @@ std::string add_file(ViewSession& session, const std::string& path, const std::o
     set_environment(session, {path, ""});
     return fmt::format("{} is the environment now", file_name(path));
   }
-  std::unique_ptr<ViewAsset> asset = load_view_asset(path, kind);
+  std::unique_ptr<ViewAsset> asset = load_view_asset(path, kind, session.world.scene().anchor_m);
+  check_scale(path, asset->metadata, session.scene_facts);
   if (const auto* grid = std::get_if<GridAsset>(&asset->data)) {
-    if (!grid->scene_hash.empty() && grid->scene_hash != session.world.scene().content_hash)
+    if (const auto hash = find_text(asset->metadata, "scene_hash"); hash && *hash != session.world.scene().content_hash)
       session.notes.push_back(fmt::format("note: {} was baked from another scene", path));
     if (grid->holds_direct && session.settings.direct && !session.direct.empty())
       session.notes.push_back(

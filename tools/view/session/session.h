@@ -35,6 +35,7 @@ struct ViewSession {
   const ViewAsset* debug_grid = nullptr;  // that debug views show
   std::optional<ReferencePicture> reference;
   SceneOptions load;                                           // of the scene, and of objects that join it
+  Metadata scene_facts;                                        // what assets know the scene by: SceneInput::origin
   std::vector<std::pair<const ViewAsset*, V3f>> lobes_placed;  // lobe tables and sphere sets, where they were last
   std::string environment;                                     // name without folders; empty: none
   std::string environment_hash;                                // of its file
@@ -55,7 +56,7 @@ struct SessionInput {
   std::vector<std::string> assets;     // files of any kind
   std::vector<std::string> occluders;  // NODE=TABLE.exr: objects and the tables they were baked into
   std::vector<std::string> spheres;    // sphere sets: FILE.json or FILE.json@X,Y,Z
-  std::vector<SphereLight> sphere_lights;
+  std::vector<SphereLightOption> sphere_lights;
 };
 
 // Loads all. Throws UsageError for texts that say nothing, Error for files that cannot be read or drawn.

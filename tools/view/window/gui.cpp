@@ -75,7 +75,12 @@ void draw_objects(ViewSession& session, GuiState& state, GuiRequest& request) {
     }
     request.redraw = draw_assets_of(session, object.light) || request.redraw;
     if (object.moves) {
-      if (ImGui::DragFloat3("place, m", &object.offset_m.x, 0.01F)) request.redraw = true;
+      const V3d& anchor_m = session.world.scene().anchor_m;
+      V3d offset = offset_in_world(object, object.offset_m, anchor_m);
+      if (ImGui::DragScalarN("place, m", ImGuiDataType_Double, &offset.x, 3, 0.01F, nullptr, nullptr, "%.3f")) {
+        object.offset_m = offset_in_scene(object, offset, anchor_m);
+        request.redraw = true;
+      }
       if (ImGui::SmallButton("remove")) request.removed = int(i);
     }
     ImGui::Unindent();

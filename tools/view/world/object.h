@@ -25,19 +25,23 @@ struct ObjectLight {
 struct ViewObject {
   std::string name;  // file without folders, or node
   std::unique_ptr<Scene> scene;
-  std::unique_ptr<Intersector> intersector;  // of that scene, where its file has it
+  std::unique_ptr<Intersector> intersector;  // of that scene, where it is local
   GpuModel model;                            // of that scene; empty until it is uploaded
-  V3f offset_m{0, 0, 0};                     // from where its file has it
+  V3f offset_m{0, 0, 0};                     // of its local positions to those of the world's scene
   ObjectPath path;                           // on top of the offset
   bool moves = true;                         // false: the scene itself
   ObjectLight light;
-  std::optional<GpuFivOccluder> occluder;  // that it is for others, where its file has it
+  std::optional<GpuFivOccluder> occluder;  // that it is for others, local
 };
 
-// Where the object is at that time, relative to where its file has it; m.
+// What to add to its local positions for those of the world's scene at that time; m.
 V3f place(const ViewObject& object, double time_s);
+// Such an offset as one from where the object's file has it, in the world of a scene of that anchor; and back.
+V3d offset_in_world(const ViewObject& object, const V3f& offset_m, const V3d& anchor_m);
+V3f offset_in_scene(const ViewObject& object, const V3d& offset_m, const V3d& anchor_m);
 
-// Builds Embree's structures, but no model: that needs OpenGL. Throws Error where the scene has no triangles.
+// `offset_m` as the object keeps it. Builds Embree's structures, but no model: that needs OpenGL. Throws Error where
+// the scene has no triangles.
 ViewObject make_object(std::string name, Scene scene, const V3f& offset_m, bool moves);
 
 }  // namespace ivory

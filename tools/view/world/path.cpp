@@ -25,9 +25,10 @@ UsageError bad_path(const std::string& text, const std::string& cause) {
 std::vector<float> numbers(const std::string& text, const std::string& values, std::size_t least) {
   const auto commas = std::size_t(std::count(values.begin(), values.end(), ','));
   const std::size_t count = commas == least ? least + 1 : least;
-  std::vector<float> v = parse_floats("--path", values, count, "circle:RADIUS[,SECONDS] or line:X,Y,Z[,SECONDS]");
+  const std::vector<double> v =
+      parse_numbers("--path", values, count, "circle:RADIUS[,SECONDS] or line:X,Y,Z[,SECONDS]");
   if (count > least && !(v.back() > 0)) throw bad_path(text, "has a period that is not positive");
-  return v;
+  return {v.begin(), v.end()};
 }
 
 std::vector<Keyframe> read_keys(const std::string& file) {
@@ -40,7 +41,7 @@ std::vector<Keyframe> read_keys(const std::string& file) {
     const auto number = [&](std::size_t i, const char* column) {
       return csv_number(file, line, cells[i], column, remedy);
     };
-    keys.push_back({double(number(0, "t")), V3f(number(1, "x"), number(2, "y"), number(3, "z"))});
+    keys.push_back({number(0, "t"), V3f(V3d(number(1, "x"), number(2, "y"), number(3, "z")))});
     if (keys.back().time_s < 0 || (keys.size() > 1 && keys.back().time_s <= keys[keys.size() - 2].time_s))
       throw Error(file, fmt::format("the time of line {} is not later than the one before", line.number),
                   "put keyframes in order, from 0 s");

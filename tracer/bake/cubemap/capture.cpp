@@ -82,6 +82,7 @@ Capture capture_cube(const LitScene& lit, const V3f& origin, const CaptureParams
   Capture capture;
   CapturedCube& cube = capture.cube;
   cube.origin_m = origin;
+  cube.anchor_m = lit.scene->anchor_m;
   cube.radiance.size = size;
   cube.radiance.texels.resize(texels);
   cube.inverse_distance.resize(texels);

@@ -25,9 +25,9 @@ struct Capture {
   double back_share = 0;
 };
 
-// All light that arrives at world point `origin`, in nits: emitted, reflected, the environment's. Punctual lights have
-// no surface to be seen by; only what they light is seen. Back faces are not culled as for the eye. Does not depend on
-// threads. Throws Error where the map does not fit into memory.
+// All light that arrives at `origin`, a point of the scene, in nits: emitted, reflected, the environment's. Punctual
+// lights have no surface to be seen by; only what they light is seen. Back faces are not culled as for the eye. Does
+// not depend on threads. Throws Error where the map does not fit into memory.
 Capture capture_cube(const LitScene& lit, const V3f& origin, const CaptureParams& params);
 
 }  // namespace ivory

@@ -11,6 +11,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include "grid/base/anchor.h"
 #include "grid/base/error.h"
 #include "grid/base/memory.h"
 #include "tracer/bake/field/guard_fit.h"
@@ -29,13 +30,18 @@ constexpr std::uint64_t least_default_photons = 1'000'000;
 constexpr std::uint64_t scout_photons_a_vertex = 4;
 constexpr std::uint64_t photons_a_batch = 2048;  // about 10,000 segments: they stay in the second-level cache
 
+// A local coordinate in the world, as the command line takes it.
+std::string text_of(float x, double anchor) {
+  return anchor == 0 ? fmt::format("{}", x) : fmt::format("{:.12g}", double(x) + anchor);
+}
+
 // "-1,0,2:3,4,5 ..." as the command line takes them; "none".
-std::string text_of(const std::vector<Box3f>& boxes) {
+std::string text_of(const std::vector<Box3f>& boxes, const V3d& anchor) {
   std::string text;
-  for (const Box3f& b : boxes) {
-    text += fmt::format("{}{},{},{}:{},{},{}", text.empty() ? "" : " ", b.min.x, b.min.y, b.min.z, b.max.x, b.max.y,
-                        b.max.z);
-  }
+  const auto corner = [&](const V3f& p) {
+    return fmt::format("{},{},{}", text_of(p.x, anchor.x), text_of(p.y, anchor.y), text_of(p.z, anchor.z));
+  };
+  for (const Box3f& b : boxes) text += fmt::format("{}{}:{}", text.empty() ? "" : " ", corner(b.min), corner(b.max));
   return text.empty() ? "none" : text;
 }
 
@@ -51,8 +57,9 @@ Metadata describe(const Scene& scene, const GridBakeParams& params, std::uint64_
   m["seed"] = static_cast<std::int64_t>(params.seed);
   m["scene"] = scene.name;
   m["scene_hash"] = scene.content_hash;
-  m["dynamic_regions"] = params.dynamic_regions ? text_of(*params.dynamic_regions) : std::string("everywhere");
-  m["bounds"] = params.bounds ? text_of({*params.bounds}) : std::string("scene");
+  m["dynamic_regions"] =
+      params.dynamic_regions ? text_of(*params.dynamic_regions, scene.anchor_m) : std::string("everywhere");
+  m["bounds"] = params.bounds ? text_of({*params.bounds}, scene.anchor_m) : std::string("scene");
   m["rotate_y_deg"] = double(params.rotate_y_deg);
   m["units"] = std::string("lux");
   m["sum_slots"] = static_cast<std::int64_t>(layout.slots);
@@ -115,13 +122,23 @@ GridFrame default_frame(const Scene& scene, const GridBakeParams& params) {
     for (unsigned axis = 0; axis < 3; ++axis) {
       // A hair less than one voxel over does not call for another layer of vertices.
       const double count = std::max(2.0, std::ceil(double(extent[axis]) / voxel - 1e-3));
-      if (count > 32768) throw ParameterError("voxel_size", "it is too small: over 32768 vertices along an axis");
+      if (count > 32768) {
+        throw ParameterError(
+            "voxel_size",
+            fmt::format("{:.4g} m makes {:.0f} vertices along {:.4g} m, and 32768 may stand along an axis", voxel,
+                        count, extent[axis]));
+      }
       frame.size[axis] = static_cast<int>(count);
     }
     frame.spacing_m = V3f(voxel, voxel, voxel);
   }
-  if (std::max({frame.size.x, frame.size.y, frame.size.z}) > 32768 || frame.vertex_count() > (std::size_t(1) << 31U))
-    throw ParameterError("resolution", "the grid has too many vertices to number; ask for fewer");
+  if (std::max({frame.size.x, frame.size.y, frame.size.z}) > 32768 || frame.vertex_count() > (std::size_t(1) << 31U)) {
+    throw ParameterError(params.resolution ? "resolution" : "voxel_size",
+                         fmt::format("{}x{}x{} are {:.3g} vertices over {:.4g} x {:.4g} x {:.4g} m, more than the 2^31 "
+                                     "that a grid may have",
+                                     frame.size.x, frame.size.y, frame.size.z, double(frame.vertex_count()), extent.x,
+                                     extent.y, extent.z));
+  }
   frame.origin_m = middle - frame.direction_to_world((V3f(frame.size) - V3f(1, 1, 1)) * frame.spacing_m * 0.5F);
   return frame;
 }
@@ -132,21 +149,52 @@ EmissionTarget emission_target(const GridFrame& frame, const GridBakeParams& par
           params.include_direct};
 }
 
+namespace {
+
+struct BakeMemory {
+  double shared = 0;  // by all threads
+  double own = 0;     // of each
+  double limit = 0;
+};
+
+// What the threads share: sums, once more while they are sorted, and the grid. Each adds to its own, 4 bytes a lane,
+// twice where photons of weak lights have sums of a finer unit.
+BakeMemory bake_memory(const GridFrame& frame, const GridBakeParams& params, bool fine) {
+  const double sums = double(frame.vertex_count()) * sum_layout(params.basis, params.estimator).stride();
+  const double shared = sums * 16 + double(frame.vertex_count()) * (double(function_count(params.basis)) * 12 + 64);
+  const double limit = params.max_memory_bytes != 0 ? double(params.max_memory_bytes) : 0.75 * available_memory_bytes();
+  return {shared, sums * (fine ? 8 : 4), limit};
+}
+
+void check(const std::string& scene, const GridFrame& frame, const GridBakeParams& params, const BakeMemory& memory) {
+  const double needed = memory.shared + memory.own;
+  if (needed <= memory.limit) return;
+  constexpr double gib = 1024.0 * 1024 * 1024;
+  const std::string coarser = params.resolution
+                                  ? "for a lower resolution"
+                                  : fmt::format("for a voxel size of {:.2g} m",
+                                                1.05 * double(frame.spacing_m.x) * std::cbrt(needed / memory.limit));
+  throw Error(
+      scene,
+      fmt::format("a grid of {}x{}x{} = {:.3g} vertices, {:.4g} m apart, needs {:.1f} GiB to bake and {:.1f} GiB "
+                  "may be used",
+                  frame.size.x, frame.size.y, frame.size.z, double(frame.vertex_count()), frame.spacing_m.x,
+                  needed / gib, memory.limit / gib),
+      "ask " + coarser + ", or for a part of the scene");
+}
+
+}  // namespace
+
+void check_grid_memory(const Scene& scene, const GridFrame& frame, const GridBakeParams& params) {
+  check(scene.name, frame, params, bake_memory(frame, params, false));
+}
+
 int affordable_threads(const LitScene& lit, const GridFrame& frame, const GridBakeParams& params) {
   const int threads = params.threads > 0 ? params.threads : tbb::this_task_arena::max_concurrency();
-  const double sums = double(frame.vertex_count()) * sum_layout(params.basis, params.estimator).stride();
   const Lights::PhotonPower power = lit.lights.emission(emission_target(frame, params)).photon_power();
-  // What the threads share: sums, once more while they are sorted, and the grid. Each adds to its own, 4 bytes a lane,
-  // twice where photons of weak lights have sums of a finer unit.
-  const double shared = sums * 16 + double(frame.vertex_count()) * (double(function_count(params.basis)) * 12 + 64);
-  const double own = sums * (fine_bits(power) != 0 ? 8 : 4);
-  const double limit = params.max_memory_bytes != 0 ? double(params.max_memory_bytes) : 0.75 * available_memory_bytes();
-  if (shared + own <= limit) return int(std::min(double(threads), (limit - shared) / own));
-  constexpr double gib = 1024.0 * 1024 * 1024;
-  throw Error(lit.scene->name,
-              fmt::format("a grid of {}x{}x{} vertices needs {:.1f} GiB to bake and {:.1f} GiB may be used",
-                          frame.size.x, frame.size.y, frame.size.z, (shared + own) / gib, limit / gib),
-              "ask for fewer vertices, or for a part of the scene");
+  const BakeMemory memory = bake_memory(frame, params, fine_bits(power) != 0);
+  check(lit.scene->name, frame, params, memory);
+  return int(std::min(double(threads), (memory.limit - memory.shared) / memory.own));
 }
 
 GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params) {
@@ -229,6 +277,7 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
   }
 
   GridAccumulator result = to_accumulator(target);
+  result.anchor_m = scene.anchor_m;
   result.visible_fraction = std::move(visible_fraction);
   result.guard = std::move(guard);
   result.light = params.include_direct ? StoredLight::direct_and_indirect : StoredLight::indirect;

@@ -12,13 +12,13 @@ namespace ivory {
 
 struct GridBakeParams {
   std::optional<GridFrame> frame = std::nullopt;     // places the grid by hand; none: default_frame()
-  std::optional<Box3f> bounds = std::nullopt;        // what the grid covers, in world axes; none: the whole scene
+  std::optional<Box3f> bounds = std::nullopt;        // what the grid covers, of the scene; none: all of it
   float rotate_y_deg = 0;                            // about the vertical through the grid's middle, after `bounds`
   std::optional<V3i> resolution = std::nullopt;      // vertices per axis, each at least 2
   std::optional<float> voxel_size_m = std::nullopt;  // cubic voxels; neither given: 32 along the longest side
   std::uint64_t photons = 0;                         // of the whole bake; 0: 256 a vertex, at least a million
   std::optional<std::pair<std::uint64_t, std::uint64_t>> photon_range = std::nullopt;  // half-open; none: all
-  // World-space boxes in which objects move. Given, even if empty, vertices far from all surfaces are stored
+  // Boxes of the scene in which objects move. Given, even if empty, vertices far from all surfaces are stored
   // only there; none: everywhere.
   std::optional<std::vector<Box3f>> dynamic_regions = std::nullopt;
   int max_bounces = 1000;
@@ -41,6 +41,10 @@ GridFrame default_frame(const Scene& scene, const GridBakeParams& params);
 
 // The sphere around the grid's cells, which photons are sent to.
 EmissionTarget emission_target(const GridFrame& frame, const GridBakeParams& params);
+
+// Throws Error where that grid cannot be baked within params.max_memory_bytes even on one thread: affordable_threads()
+// before there is a LitScene.
+void check_grid_memory(const Scene& scene, const GridFrame& frame, const GridBakeParams& params);
 
 // How many of params.threads (0: all) can bake that grid within params.max_memory_bytes: each needs sums of its own. At
 // least 1; throws Error where memory would not suffice for one.

@@ -2,6 +2,10 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
+#include "grid/base/anchor.h"
+#include "grid/base/error.h"
 #include "tracer/bake/fiv/directions.h"
 #include "tracer/bake/fiv/fit.h"
 #include "tracer/bake/fiv/gather.h"
@@ -20,10 +24,14 @@ constexpr int bright_pixels_factor = 4;
 }  // namespace
 
 FivTable bake_fiv(const FivOccluder& occluder, const CubeMap& environment, const FivParams& params) {
+  if (params.environment_size < 1 || environment.size % params.environment_size != 0)
+    throw ParameterError("environment_size",
+                         fmt::format("{} does not divide the {} texels along the environment's faces",
+                                     params.environment_size, environment.size));
   FivTable table;
   table.size = params.samples;
   table.hemispheres = params.hemispheres;
-  table.center_m = occluder.center_m;
+  table.center_m = V3f(to_world(occluder.center_m, occluder.anchor_m));
   table.radius_m = occluder.radius_m;
   table.shape = occluder.shape;
   table.radii = params.radii.empty() ? fiv_radii(occluder, environment, params) : params.radii;

@@ -25,7 +25,7 @@ struct FivParams {
 
 // The table of `occluder` under `environment`. Samples that stand inside the mesh take the mean of their neighbours
 // outside, so that interpolation near the surface is not darkened by what nobody can see. Results do not depend on
-// threads.
+// threads. Throws ParameterError where params.environment_size does not divide the environment's.
 FivTable bake_fiv(const FivOccluder& occluder, const CubeMap& environment, const FivParams& params);
 
 // params.samples.z distances in bounding radii, from beside the mesh to params.farthest, so that every interval

@@ -134,6 +134,8 @@ FivOccluder make_fiv_occluder(const Scene& scene) {
   out.scene.sphere_lights.clear();
   out.scene.environment.reset();
   out.center_m = V3f(center);
+  out.anchor_m = scene.anchor_m;
+  out.scene.anchor_m = V3d(0, 0, 0);
   out.shape = shape_of(points, center, radius);
   // Rounded up: every point stays within the unit sphere.
   out.radius_m = float(radius * (1 + 1e-5));

@@ -13,7 +13,8 @@ namespace ivory {
 // lights with their meshes.
 struct FivOccluder {
   Scene scene;
-  V3f center_m;  // of the bounding sphere, in the world of the scene it was made from
+  V3f center_m;           // of the bounding sphere, in the scene it was made from
+  V3d anchor_m{0, 0, 0};  // of that scene
   float radius_m = 1;
   FivShape shape{};
 };

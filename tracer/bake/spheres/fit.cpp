@@ -268,6 +268,7 @@ SphereFit fit_spheres(const Scene& scene, const SphereFitParams& params) {
   // Large first: the first spheres of a list are the ones to keep where few are asked for.
   std::stable_sort(spheres.begin(), spheres.end(),
                    [](const PackedSphere& a, const PackedSphere& b) { return a.radius > b.radius; });
+  fit.set.anchor_m = scene.anchor_m;
   for (const PackedSphere& sphere : spheres) {
     const V3d center = mesh.origin + sphere.center * mesh.scale;
     fit.set.spheres.push_back({V3f(center), float(sphere.radius * mesh.scale)});
