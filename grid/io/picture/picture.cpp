@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <system_error>
 #include <utility>
 
 #include <fmt/format.h>
@@ -68,17 +67,6 @@ void note_profile(StoredPicture& picture, const ImageHeader& header) {
       "has the colour profile '{}', which is not applied: {} Rec.709 is assumed", profile, transfer_name(picture)));
 }
 
-// A header that claims more than the file can hold is refused before memory is taken: Deflate packs at most 1032 : 1,
-// and a pixel takes a bit at least.
-void check_claim(const std::string& path, const ImageHeader& header) {
-  constexpr std::uintmax_t most_pixels_a_byte = 8 * 1032;
-  std::error_code unreadable;
-  const std::uintmax_t bytes = std::filesystem::file_size(path, unreadable);
-  if (unreadable || std::uintmax_t(header.width) * std::uintmax_t(header.height) <= bytes * most_pixels_a_byte) return;
-  throw Error(path, fmt::format("claims {} x {} pixels in {} bytes", header.width, header.height, bytes),
-              "export it again");
-}
-
 // Colour stored times alpha is divided by it, so that a texel is the same in all formats. Where nothing is left of it,
 // black stays.
 void divide_by_alpha(float* texel, int colors, float alpha) {
@@ -102,7 +90,7 @@ StoredPicture read_other_picture(const std::string& path, const std::string& rem
   if (header.depth > 1) throw Error(path, "is a volume, no image", remedy);
   if (header.channels < 1 || header.width < 1 || header.height < 1)
     throw Error(path, "has no colour channels", "give an image with one or three channels");
-  check_claim(path, header);
+  check_claimed_size(path, header.width, header.height);
 
   StoredPicture picture;
   picture.asset = find_text(header.attributes, "ivory:asset").value_or("");
