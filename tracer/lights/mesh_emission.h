@@ -27,10 +27,6 @@ struct MeshEmission {
 // sixty-fourth of it). Throws Error (naming the scene) where memory does not suffice.
 std::vector<std::unique_ptr<const MeshEmission>> make_mesh_emissions(const Scene& scene);
 
-// What leaves a mesh's triangle at a barycentric, nits: emission times coverage, because a hit ray meets a BLEND or
-// MASK surface with just that probability.
-Rgb covered_emission_at(const Scene& scene, int mesh, int triangle, const V2f& barycentric);
-
 struct EmissionPoint {
   V2f barycentric;
   float density;  // of its choice, as a multiple of an even choice's

@@ -5,6 +5,7 @@
 
 #include "tracer/core/sampling.h"
 #include "tracer/core/surface.h"
+#include "tracer/lights/emission_integral.h"
 
 namespace ivory {
 

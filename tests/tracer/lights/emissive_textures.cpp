@@ -11,7 +11,7 @@
 #include "tests/support/lights_check.h"
 #include "tracer/bake/field/baker.h"
 #include "tracer/core/sampling.h"
-#include "tracer/core/surface.h"
+#include "tracer/lights/emission_integral.h"
 #include "tracer/lights/mesh_emission.h"
 #include "tracer/render/probe.h"
 
