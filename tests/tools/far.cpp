@@ -15,7 +15,7 @@ void write_below_root(const fs::path& path, const std::string& scene_name, const
   Json gltf = Json::parse(read_file(scenes_folder + scene_name));
   Json node = root;
   node["children"] = gltf["scenes"][0]["nodes"];
-  gltf["scenes"][0]["nodes"] = {gltf["nodes"].size()};
+  gltf["scenes"][0]["nodes"] = Json::array({gltf["nodes"].size()});
   gltf["nodes"].push_back(node);
   write_file(path, gltf.dump());
 }
