@@ -11,8 +11,9 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs/inputs.md"
 ROOMS = {"glTF": "tracer/gltf", "cameras": "tracer/core/camera.cpp", "pictures": "grid/io", "bakes": "tools/bake",
+         "renders": "tools/render/render.cpp", "units": "tools/input/units_hint.cpp",
          "hints of `ivory info`": "tools/input/hints.cpp"}
-CALL = re.compile(r"\bwarn\(|\b(?:warnings|lines)\.(?:push_back|emplace_back)\(|\breturn fmt::format\(")
+CALL = re.compile(r"\bwarn\(|\b(?:warnings|lines)\.(?:push_back|emplace_back)\(|(?:\breturn|\bhint =) fmt::format\(")
 LITERAL = re.compile(r'"((?:[^"\\]|\\.)*)"')
 # Parts of a call that name what a warning is about, but do not stand in its text.
 LABEL = re.compile(r'\b(?:label|plural)\("[^"]*"')
@@ -35,7 +36,7 @@ def warnings(path):
     text = path.read_text()
     for call in CALL.finditer(text):
         # Elsewhere such a line is an error's or a name.
-        if call.group().startswith("return") and path.name not in ("camera.cpp", "hints.cpp"):
+        if call.group().startswith(("return", "hint")) and path.name not in ("camera.cpp", "hints.cpp", "units_hint.cpp"):
             continue
         joined = LABEL.sub("label(", re.sub(r'"\s*\n\s*"', "", arguments(text, call.end())))
         pieces = [literal.replace('\\"', '"') for literal in LITERAL.findall(joined)]

@@ -12,9 +12,10 @@ namespace ivory {
 // How a file is taken.
 struct LoadParams {
   double scale = 1;  // metres a unit of the file: multiplies positions, not light (candela, lux and nits stay)
-  std::optional<double> time_s;      // poses nodes, skins and morphs as the animation has them then; none: as stored
-  std::string animation;             // its name, or its index; empty: the first
-  std::vector<std::string> without;  // names or indices of nodes: left out with all below, but for cameras and joints
+  std::optional<double> time_s = {};  // poses nodes, skins and morphs as the animation has them then; none: as stored
+  std::string animation = {};         // its name, or its index; empty: the first
+  std::vector<std::string> without =
+      {};  // names or indices of nodes: left out with all below, but for cameras and joints
 };
 
 struct LoadedScene {
