@@ -59,7 +59,7 @@ TEST(ViewCamera, DepthGrowsWithDistanceAndHoldsTheSphere) {
     float last = -1;
     const float middle = (center - view.origin).dot(view.forward);
     // From the near side of the sphere, or just before the eye where it stands inside, to the far side.
-    const float first = view.perspective ? std::max(middle - 4, 2e-3F * (std::abs(middle) + 4)) : middle - 4;
+    const float first = std::max(middle - 4, 2e-3F * (std::abs(middle) + 4));
     for (float depth = first; depth < middle + 4; depth += 0.25F) {
       const float z = ndc(m, view.origin + view.forward * depth).z;
       EXPECT_GT(z, last);

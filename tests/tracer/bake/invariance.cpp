@@ -149,7 +149,8 @@ TEST(Invariance, OfCubeMaps) {
   }
 }
 
-// The occluder's bounding sphere is found to 1e-3 of its radius; silhouettes move by that.
+// The occluder's bounding sphere is found to 1e-3 of its radius. Silhouettes move by that, and a sample on the mesh may
+// stand inside of it or not, for which its neighbours' mean is taken.
 TEST(Invariance, OfOccluderTables) {
   Scene scene = bracket_scene();
   Instance second = scene.instances.front();
@@ -170,7 +171,7 @@ TEST(Invariance, OfOccluderTables) {
     double squares = 0;
     for (std::size_t i = 0; i < table.values.size(); ++i)
       squares += std::pow(double(table.values[i]) - double(other.values[i]), 2);
-    EXPECT_LT(std::sqrt(squares / double(table.values.size())), 0.01 * greatest) << variant.name;
+    EXPECT_LT(std::sqrt(squares / double(table.values.size())), 0.02 * greatest) << variant.name;
   }
 }
 
