@@ -9,7 +9,7 @@
 #include "tracer/gltf/images.h"
 #include "tracer/gltf/materials.h"
 #include "tracer/gltf/meshes.h"
-#include "tracer/gltf/nodes.h"
+#include "tracer/gltf/nodes/place.h"
 #include "tracer/gltf/pose/animations.h"
 #include "tracer/gltf/schema/check.h"
 

@@ -12,7 +12,7 @@
 
 #include "grid/base/error.h"
 #include "tracer/gltf/accessors.h"
-#include "tracer/gltf/node_tree.h"
+#include "tracer/gltf/nodes/tree.h"
 #include "tracer/gltf/schema/check.h"
 
 namespace ivory::gltf {

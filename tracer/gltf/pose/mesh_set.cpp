@@ -8,7 +8,7 @@
 #include "grid/base/memory.h"
 #include "tracer/gltf/materials.h"
 #include "tracer/gltf/meshes.h"
-#include "tracer/gltf/node_tree.h"
+#include "tracer/gltf/nodes/tree.h"
 #include "tracer/gltf/pose/skins.h"
 
 namespace ivory::gltf {

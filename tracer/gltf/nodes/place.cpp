@@ -1,4 +1,4 @@
-#include "tracer/gltf/nodes.h"
+#include "tracer/gltf/nodes/place.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,10 +10,11 @@
 
 #include "grid/base/memory.h"
 #include "tracer/gltf/accessors.h"
-#include "tracer/gltf/extent.h"
 #include "tracer/gltf/extras.h"
 #include "tracer/gltf/geometry.h"
-#include "tracer/gltf/node_tree.h"
+#include "tracer/gltf/nodes/extent.h"
+#include "tracer/gltf/nodes/lights.h"
+#include "tracer/gltf/nodes/tree.h"
 #include "tracer/lights/sphere.h"
 
 namespace ivory::gltf {
@@ -88,8 +89,10 @@ class Placer {
         left_out_materials_[std::size_t(scene_.meshes[std::size_t(primitive)].material)] = 1;
       return;
     }
-    if (const json* light = find_extension(source, "KHR_lights_punctual"))
-      add_light(index, (*light)["light"].get<std::size_t>(), world);
+    if (const json* light = find_extension(source, "KHR_lights_punctual")) {
+      if (const auto found = read_light(document_, (*light)["light"].get<std::size_t>(), index, world))
+        scene_.lights.push_back(*found);
+    }
     if (const std::optional<SphereLight> light = read_sphere_light(document_, index, to_float(world))) {
       add_sphere_light(scene_, *light, document_.path);
       scene_.instances.back().node = int(index);
@@ -249,60 +252,6 @@ class Placer {
     const double far = camera.perspective ? source.perspective.zfar : source.orthographic.zfar;
     if (far > 0) camera.far_m = float(far * scale_);
     scene_.cameras.push_back(camera);
-  }
-
-  void add_light(std::size_t node, std::size_t index, const M44d& world) {
-    const json& light = (*find_extension(*document_.json, "KHR_lights_punctual"))["lights"][index];
-    const std::string what = label("lights", index, light.value("name", std::string()));
-    const std::string type = light["type"];
-    const float intensity = light.value("intensity", 1.0F);
-    Rgb strength(intensity);
-    if (light.contains("color")) {
-      const json& color = light["color"];
-      strength = Rgb(color[0], color[1], color[2]) * intensity;
-    }
-    if (light.contains("range"))
-      document_.warn(what + " has a range, which is ignored: light falls off with the square");
-    const V3f position{V3d(world[3][0], world[3][1], world[3][2])};
-    const V3d axis = -row(world, 2);
-    const V3f direction{axis.normalized()};
-    if (type != "point" && !(axis.length() > 0)) {
-      document_.warn(node_label(document_, node) + " scales its light's direction to nothing; left out");
-      return;
-    }
-    if (type == "point") {
-      scene_.lights.emplace_back(PointLight{position, strength});
-    } else if (type == "directional") {
-      scene_.lights.emplace_back(DirectionalLight{direction, strength});
-    } else if (type == "spot") {
-      SpotLight spot{position, direction, strength};
-      if (read_cone(light["spot"], what, spot)) scene_.lights.emplace_back(spot);
-    } else {
-      document_.warn(what + " is of unknown type '" + type + "' and left out");
-    }
-  }
-
-  // What exporters write beside the specification is mended: Blender has equal angles for a hard edge. False where the
-  // cone has no width.
-  bool read_cone(const json& source, const std::string& what, SpotLight& spot) {
-    constexpr double right_angle = 1.5707963267948966;
-    double outer = source.value("outerConeAngle", 0.25 * double(pi));
-    double inner = source.value("innerConeAngle", 0.0);
-    if (!(outer >= 1e-6)) {
-      document_.warn(what + " has a cone without width: it lights nothing and is left out");
-      return false;
-    }
-    if (outer > right_angle * (1 + 1e-6)) {
-      document_.warn(fmt::format("{} has an outer cone of {} rad; pi / 2, the most there is, is taken", what, outer));
-    }
-    outer = std::min(outer, right_angle);
-    if (inner >= outer) {
-      document_.warn(fmt::format("{} has an inner cone {} its outer one: its edge is taken as hard, at {} rad", what,
-                                 inner == outer ? "equal to" : "wider than", outer));
-    }
-    spot.outer_angle_rad = float(outer);
-    spot.inner_angle_rad = std::min(float(inner), spot.outer_angle_rad);
-    return true;
   }
 
   static V3d row(const M44d& m, int i) { return {m[i][0], m[i][1], m[i][2]}; }

@@ -1,4 +1,4 @@
-#include "tracer/gltf/extent.h"
+#include "tracer/gltf/nodes/extent.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "grid/base/anchor.h"
-#include "tracer/gltf/node_tree.h"
+#include "tracer/gltf/nodes/tree.h"
 
 namespace ivory::gltf {
 namespace {

@@ -1,4 +1,4 @@
-#include "tracer/gltf/node_tree.h"
+#include "tracer/gltf/nodes/tree.h"
 
 #include <algorithm>
 #include <charconv>
