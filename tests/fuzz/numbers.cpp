@@ -50,12 +50,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       break;
     case 4:
       parse([&] {
-        const V3f v = parse_vector3(option, text);
+        const V3d v = parse_vector3(option, text);
         fuzz::require(std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z), "a vector that is not finite");
       });
       break;
     case 5:
-      parse([&] { fuzz::require(fuzz::all_finite(parse_floats(option, text, 7, "seven")), "numbers"); });
+      parse([&] {
+        for (const double number : parse_numbers(option, text, 7, "seven"))
+          fuzz::require(std::isfinite(number), "a number that is not finite");
+      });
       break;
     case 6:
       if (const auto value = parse_float(text); value && std::isfinite(*value))
