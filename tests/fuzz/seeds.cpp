@@ -45,7 +45,9 @@ int main(int argc, char** argv) {
     sh9.sh.coefficients[0] = V3d(1, 2, 3);
     sh9.sh.coefficients[2] = V3d(0.5, 0.25, 0.125);
     write_sh9(folder + "/sh9.json", sh9, true);
-    write_spheres(folder + "/spheres.json", {{{V3f(0, 1, 2), 0.5F}, {V3f(1, 1, 2), 0.25F}}, {}}, true);
+    SphereSet spheres;
+    spheres.spheres = {{V3f(0, 1, 2), 0.5F}, {V3f(1, 1, 2), 0.25F}};
+    write_spheres(folder + "/spheres.json", spheres, true);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "fuzz_seeds: %s\n", error.what());
     return 1;
