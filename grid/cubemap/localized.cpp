@@ -40,9 +40,10 @@ struct Corner {
 
 Corner see_corner(float s, float t, float v, const Receiver& receiver) {
   V3f r(s - v * receiver.p.x, t - v * receiver.p.y, 1 - v * receiver.p.z);
-  // Products of such vectors stay within a float's range.
+  // All of about one length: where an edge crosses the horizon is told from both its ends, and the far one must not drown
+  // in the rounding of the near one.
   const float m = largest(r);
-  if (m > 1e6F) r *= 1.0F / m;
+  if (m > 1e-30F) r *= 1.0F / m;
   return {r, r.dot(receiver.n)};
 }
 

@@ -21,7 +21,7 @@ class InfoCommand : public CommandTest {
     const int p = builder.add({{-5, 0, 5}, {5, 0, 5}, {0, 0, -5}});
     builder.add_node({{"mesh", builder.add_mesh({{"attributes", {{"POSITION", p}}}})}});
     builder.use_extension("KHR_lights_punctual");
-    builder.root["extensions"]["KHR_lights_punctual"]["lights"] = {light};
+    builder.root["extensions"]["KHR_lights_punctual"]["lights"] = json::array({light});
     builder.add_node({{"translation", {0, 2, 0}}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}});
     return builder.write("scene");
   }

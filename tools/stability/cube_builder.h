@@ -47,7 +47,9 @@ inline Depth box_around(const V3d& low, const V3d& high) {
 inline V3f random_unit(std::mt19937& random) {
   std::normal_distribution<float> normal;
   V3f w(0, 0, 0);
-  while (w.length() < 1e-3F) w = V3f(normal(random), normal(random), normal(random));
+  while (w.length() < 1e-3F) {
+    for (unsigned c = 0; c < 3; ++c) w[c] = normal(random);  // in an order that is not the compiler's choice
+  }
   return w.normalized();
 }
 

@@ -64,6 +64,7 @@ LoadedScene load_gltf(const std::string& path, const LoadParams& params) {
   gltf::MeshSet meshes = gltf::make_meshes(document, scene.materials);
   scene.meshes = std::move(meshes.meshes);
   std::vector<char> material_used = gltf::place_nodes(document, meshes, params, scene);
+  material_used.resize(scene.materials.size());  // spherical lights brought their own
   drop_unused_meshes(scene);
   if (scene.instances.empty()) document.warn("has no triangles in its scene");
 

@@ -43,12 +43,15 @@ TEST(LocalizedCube, ClosedBoxOfConstantRadianceGivesPi) {
     double worst = 0;
     for (int i = 0; i < 20000; ++i) {
       // A box of any proportions around a reference point anywhere in it.
-      const V3f low(-0.01F - 3 * unit(random), -0.01F - unit(random), -0.01F - 10 * unit(random));
-      const V3f high(0.01F + 3 * unit(random), 0.01F + unit(random), 0.01F + 10 * unit(random));
+      float u[6];  // one by one: compilers evaluate arguments in orders of their own
+      for (float& number : u) number = unit(random);
+      const V3f low(-0.01F - 3 * u[0], -0.01F - u[1], -0.01F - 10 * u[2]);
+      const V3f high(0.01F + 3 * u[3], 0.01F + u[4], 0.01F + 10 * u[5]);
       const LocalizedCube cube = make_cube(size, V3f(5, 6, -7), box_around(V3d(low), V3d(high)), white);
       V3f offset;
       for (int c = 0; c < 3; ++c) offset[c] = low[c] + (high[c] - low[c]) * unit(random);
-      worst = std::max(worst, partition_error(cube, cube.origin_m + offset, random_unit(random), random()));
+      const V3f n = random_unit(random);
+      worst = std::max(worst, partition_error(cube, cube.origin_m + offset, n, random()));
     }
     EXPECT_LT(worst, closed_tolerance) << size;
   }
@@ -71,7 +74,8 @@ TEST(LocalizedCube, FoldedAndOpenShellsOfConstantRadianceGivePi) {
           },
           white);
       const V3f p = random_unit(random) * (3 * unit(random));
-      worst = std::max(worst, partition_error(cube, p, random_unit(random), random()));
+      const V3f n = random_unit(random);
+      worst = std::max(worst, partition_error(cube, p, n, random()));
     }
     EXPECT_LT(worst, closed_tolerance) << size;
   }

@@ -42,7 +42,7 @@ std::string read_file(const std::string& path) {
 // A triangle with uv in a textured material; `image` is what glTF says of the image.
 GltfBuilder textured(const json& image, const char* slot = "baseColorTexture") {
   GltfBuilder builder;
-  builder.root["images"] = {image};
+  builder.root["images"] = json::array({image});
   builder.root["textures"] = {{{"source", 0}}};
   builder.root["materials"] = {{{"pbrMetallicRoughness", {{slot, {{"index", 0}}}}}}};
   const int p = builder.add({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
