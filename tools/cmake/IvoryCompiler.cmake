@@ -20,6 +20,14 @@ if(IVORY_SANITIZE)
   target_link_options(ivory_options INTERFACE -fsanitize=${IVORY_SANITIZE})
 endif()
 
+# ivory_includes_openvdb(<file>...): TBB's hash map, which its trees are made with, marks places by addresses that no node
+# has, and UBSan takes them for nodes.
+function(ivory_includes_openvdb)
+  if(IVORY_SANITIZE MATCHES "undefined")
+    set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS -fno-sanitize=alignment)
+  endif()
+endfunction()
+
 set(ivory_arch "${IVORY_ARCH}")
 if(ivory_arch STREQUAL "auto")
   include(CheckCXXSourceRuns)
