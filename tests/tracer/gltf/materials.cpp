@@ -139,7 +139,7 @@ TEST(GltfMaterials, AllFieldsArrive) {
 
 TEST(GltfMaterials, DefaultsAreThoseOfTheSpecification) {
   GltfBuilder builder;
-  builder.root["materials"] = {json::object()};
+  builder.root["materials"] = json::array({json::object()});
   const int mesh = builder.add_triangle_mesh();
   builder.root["meshes"][0]["primitives"][0]["material"] = 0;
   builder.add_node({{"mesh", mesh}});
