@@ -40,8 +40,8 @@ struct Corner {
 
 Corner see_corner(float s, float t, float v, const Receiver& receiver) {
   V3f r(s - v * receiver.p.x, t - v * receiver.p.y, 1 - v * receiver.p.z);
-  // All of about one length: where an edge crosses the horizon is told from both its ends, and the far one must not drown
-  // in the rounding of the near one.
+  // All of about one length: where an edge crosses the horizon is told from both its ends, and the far one must not
+  // drown in the rounding of the near one.
   const float m = largest(r);
   if (m > 1e-30F) r *= 1.0F / m;
   return {r, r.dot(receiver.n)};
