@@ -11,7 +11,7 @@
 #include "grid/base/error.h"
 #include "grid/base/memory.h"
 #include "grid/env/irradiance.h"
-#include "grid/env/primaries.h"
+#include "grid/io/picture/primaries.h"
 #include "grid/io/picture/picture.h"
 
 namespace ivory {

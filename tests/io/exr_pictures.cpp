@@ -21,10 +21,10 @@
 #include <gtest/gtest.h>
 
 #include "grid/base/error.h"
-#include "grid/env/primaries.h"
 #include "grid/io/environment.h"
 #include "grid/io/picture/picture.h"
-#include "tests/support/paths.h"
+#include "grid/io/picture/primaries.h"
+#include "tests/support/folder_test.h"
 
 namespace ivory {
 namespace {
@@ -32,15 +32,9 @@ namespace {
 namespace fs = std::filesystem;
 using Channels = std::map<std::string, float>;  // each of one value
 
-class ExrPictures : public testing::Test {
+class ExrPictures : public FolderTest {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(output_folder) /
-              (std::string("ExrPictures_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  std::string path(const std::string& name = "a.exr") const { return (folder_ / name).string(); }
+  std::string path(const std::string& name = "a.exr") const { return FolderTest::path(name); }
 
   static Imf::Header header(int width = 8, int height = 4) { return {width, height}; }
 
@@ -86,8 +80,6 @@ class ExrPictures : public testing::Test {
     for (const std::string& warning : loaded.warnings) all += warning + " | ";
     return all;
   }
-
-  fs::path folder_;
 };
 
 TEST_F(ExrPictures, ChannelsAreTakenByNameAndLayersByTheirs) {

@@ -14,10 +14,10 @@
 #include <zlib.h>
 
 #include "grid/base/error.h"
-#include "grid/env/primaries.h"
 #include "grid/io/environment.h"
+#include "grid/io/picture/primaries.h"
 #include "grid/io/picture/scan_order.h"
-#include "tests/support/paths.h"
+#include "tests/support/folder_test.h"
 
 namespace ivory {
 namespace {
@@ -29,16 +29,8 @@ using OIIO::TypeDesc;
 constexpr int width = 8;
 constexpr int height = 4;
 
-class Pictures : public testing::Test {
+class Pictures : public FolderTest {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(output_folder) /
-              (std::string("Pictures_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
-
   // `values` of 8 bits each, stored as `type`.
   std::string write(const std::string& name, int channels, const std::vector<std::uint8_t>& values, TypeDesc type,
                     const std::function<void(ImageSpec&)>& edit = {}) const {
@@ -66,8 +58,6 @@ class Pictures : public testing::Test {
       if (warning.find(part) != std::string::npos) return true;
     return false;
   }
-
-  fs::path folder_;
 };
 
 std::string bytes_of(const std::string& file) {

@@ -12,22 +12,15 @@
 
 #include "grid/base/error.h"
 #include "grid/io/environment.h"
-#include "tests/support/paths.h"
+#include "tests/support/folder_test.h"
 
 namespace ivory {
 namespace {
 
 namespace fs = std::filesystem;
 
-class RadianceFiles : public testing::Test {
+class RadianceFiles : public FolderTest {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(output_folder) /
-              (std::string("Radiance_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
   std::string write(const std::string& bytes) const {
     const std::string file = path("a.hdr");
     fs::remove(file);
@@ -43,8 +36,6 @@ class RadianceFiles : public testing::Test {
     }
     return "";
   }
-
-  fs::path folder_;
 };
 
 std::string header(const std::string& entries, const std::string& resolution) {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "tests/support/folder_test.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_ivory.h"
 
@@ -20,15 +21,8 @@ inline std::string bytes_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-class CommandTest : public testing::Test {
+class CommandTest : public FolderTest {
  protected:
-  void SetUp() override {
-    const testing::TestInfo* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = std::filesystem::path(output_folder) / (std::string(info->test_suite_name()) + "_" + info->name());
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
   static std::string scene(const std::string& name) { return std::string(source_folder) + "/scenes/" + name; }
 
   // The result object of a command that must end well.
@@ -43,8 +37,6 @@ class CommandTest : public testing::Test {
     EXPECT_EQ(std::count(result.output.begin(), result.output.end(), '\n'), 1) << arguments << "\n" << result.output;
     EXPECT_NE(result.output.find(text), std::string::npos) << arguments << "\n" << result.output;
   }
-
-  std::filesystem::path folder_;
 };
 
 }  // namespace ivory

@@ -33,9 +33,10 @@ ProbeEstimates probe_cubemap(CubeMethod method, const ProbeRequest& request) {
     return inside_shell(cube, offset) != offset;
   });
   if (outside > 0) {
-    print_note(request.common, fmt::format("warning: {} of {} points lie outside of what the map has seen and read "
-                                           "its nearest point towards the reference point",
-                                           outside, table.p.size()));
+    out.doubts.push_back(
+        fmt::format("{} of {} points lie outside of what the map has seen and read "
+                    "its nearest point towards the reference point",
+                    outside, table.p.size()));
   }
   out.facts = {
       {"source", std::string("cubemap")}, {"lookup", std::string(name_of(method))}, {"outside", std::int64_t(outside)}};

@@ -42,25 +42,27 @@ LookupParams choose_lookup(const std::string& source, const GridOptions& options
 ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& request) {
   const PointsTable& table = request.table;
   const CommonOptions& common = request.common;
-  if (options.scene.empty() && request.load.load.scale != 1) throw UsageError("--scale serves scenes: give --scene");
+  const LoadParams& load = request.load.load;
+  if (options.scene.empty() && (load.scale != 1 || load.time_s || !load.without.empty()))
+    throw UsageError("--scale, --time and --without serve scenes: give --scene");
   IrradianceGrid grid = load_grid_vdb(request.source);
   const LookupParams params = choose_lookup(request.source, options, grid);
   if (request.indirect_only && grid.light != StoredLight::indirect)
     throw Error(request.source, "was baked with --direct and cannot be read without", "bake it again without --direct");
 
+  ProbeEstimates out;
   std::optional<SceneInput> scene;
   if (!options.scene.empty()) {
     scene = load_scene_input(options.scene, request.load, {}, common);
     check_scale(request.source, grid.metadata, scene->origin);
     const auto baked = find_text(grid.metadata, "scene_hash");
     if (baked && *baked != scene->lit.scene->content_hash)
-      print_note(common, "warning: " + options.scene + " has changed since " + request.source + " was baked");
+      out.doubts.push_back(options.scene + " has changed since " + request.source + " was baked");
   }
   if (scene) set_anchor(grid, scene->lit.scene->anchor_m);
   const std::vector<V3f> points = local_points(table, grid.anchor_m);
   const Intersector* intersector = scene ? &scene->lit.intersector : nullptr;
 
-  ProbeEstimates out;
   out.e.resize(table.p.size());
   out.standard_error.resize(table.p.size());
   const std::optional<float> unmet_lux = unmet_bound_lux(grid);
@@ -86,21 +88,22 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
     }
     return false;
   });
-  if (outside > 0) {
-    print_note(common, fmt::format("warning: {} of {} points lie outside the grid and read its nearest vertices",
-                                   outside, table.p.size()));
-  }
   if (scene) out.warnings = scene->warnings;
+  if (outside > 0) {
+    out.doubts.push_back(
+        fmt::format("{} of {} points lie outside the grid and read its nearest vertices", outside, table.p.size()));
+  }
   if (unmet > 0) {
-    print_note(common, fmt::format("warning: no photon came to the vertices around {} of {} points: E is not known to "
-                                   "be 0 there, and r_se, g_se, b_se are {}",
-                                   unmet.load(), table.p.size(), unmet_lux ? "bounds" : "left empty"));
+    out.doubts.push_back(
+        fmt::format("no photon came to the vertices around {} of {} points: E is not known to "
+                    "be 0 there, and r_se, g_se, b_se are {}",
+                    unmet.load(), table.p.size(), unmet_lux ? "bounds" : "left empty"));
   }
   if (unseen > 0) {
-    print_note(common,
-               fmt::format("warning: {} of {} points are seen by no vertex nearby: they read 0, and r_se, g_se, "
-                           "b_se are left empty",
-                           unseen.load(), table.p.size()));
+    out.doubts.push_back(
+        fmt::format("{} of {} points are seen by no vertex nearby: they read 0, and r_se, g_se, "
+                    "b_se are left empty",
+                    unseen.load(), table.p.size()));
   }
   out.facts = {{"unmet", unmet.load()},
                {"source", std::string("grid")},

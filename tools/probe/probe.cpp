@@ -46,6 +46,7 @@ void run_probe(const ProbeOptions& options, const std::vector<ProbeSource>& sour
   check_output(options.output, common);
   const PointsTable table = read_points_csv(options.points);
   const ProbeEstimates estimates = source.probe({options.source, table, options.indirect_only, options.load, common});
+  print_warnings(common, estimates.doubts);
   write_points_csv(options.output, common.force, table, estimates.e, estimates.standard_error);
 
   V3d mean(0, 0, 0);
@@ -54,7 +55,9 @@ void run_probe(const ProbeOptions& options, const std::vector<ProbeSource>& sour
   nlohmann::ordered_json result{
       {"file", options.output}, {"points", table.p.size()}, {"mean_lux", {mean.x, mean.y, mean.z}}};
   result.update(to_json(estimates.facts));
-  result["warnings"] = estimates.warnings;
+  std::vector<std::string> warnings = estimates.warnings;
+  warnings.insert(warnings.end(), estimates.doubts.begin(), estimates.doubts.end());
+  result["warnings"] = warnings;
   print_result(common, result,
                fmt::format("{}: {} points, mean E {:.6g} {:.6g} {:.6g} lux\n", options.output, table.p.size(), mean.x,
                            mean.y, mean.z));

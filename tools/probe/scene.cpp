@@ -51,9 +51,10 @@ ProbeEstimates probe_path_traced(const PathOptions& options, const ProbeRequest&
   }
   out.warnings = input.warnings;
   if (unmet > 0) {
-    print_note(common, fmt::format("warning: no path from {} of {} points met any light: E is not known to be 0 there, "
-                                   "and r_se, g_se, b_se are left empty",
-                                   unmet, points.size()));
+    out.doubts.push_back(
+        fmt::format("no path from {} of {} points met any light: E is not known to be 0 there, "
+                    "and r_se, g_se, b_se are left empty",
+                    unmet, points.size()));
   }
   out.facts = {{"unmet", unmet},
                {"source", std::string("scene")},

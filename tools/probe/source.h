@@ -18,6 +18,7 @@ struct ProbeEstimates {
   std::vector<Rgb> standard_error;    // of e; not a number where nothing is known of it
   Metadata facts;                     // for the result: what was read and how
   std::vector<std::string> warnings;  // of all that was read, printed already
+  std::vector<std::string> doubts;    // about the estimates, to be printed
 };
 
 struct ProbeRequest {

@@ -155,7 +155,7 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
   const std::vector<std::string> warnings = judge(options, input.lit, film);
-  for (const std::string& warning : warnings) print_note(common, "warning: " + warning);
+  print_warnings(common, warnings);
 
   const Metadata metadata = describe(options, method, input);
   const bool any_display = !std::all_of(options.outputs.begin(), options.outputs.end(), is_linear_image);

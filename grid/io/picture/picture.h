@@ -7,7 +7,7 @@
 
 #include "grid/base/metadata.h"
 #include "grid/env/layout.h"
-#include "grid/env/primaries.h"
+#include "grid/io/picture/primaries.h"
 
 namespace ivory {
 

@@ -1,4 +1,4 @@
-#include "grid/env/primaries.h"
+#include "grid/io/picture/primaries.h"
 
 #include <algorithm>
 #include <cmath>
