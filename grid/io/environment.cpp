@@ -11,8 +11,8 @@
 #include "grid/base/error.h"
 #include "grid/base/memory.h"
 #include "grid/env/irradiance.h"
-#include "grid/io/picture/primaries.h"
 #include "grid/io/picture/picture.h"
+#include "grid/io/picture/primaries.h"
 
 namespace ivory {
 
