@@ -20,8 +20,12 @@ void keep_certificate(const Certificate& certificate, Metadata& metadata) {
 std::optional<Certificate> find_certificate(const Metadata& metadata) {
   const auto number = [&](const char* key) { return find_number(metadata, prefix + key); };
   if (!number("target") || !number("error") || !number("low") || !number("high")) return std::nullopt;
-  Certificate certificate{*number("target"), *number("error"), *number("low"), *number("high"),
-                          find_text(metadata, prefix + "measure").value_or(""), {}};
+  Certificate certificate{*number("target"),
+                          *number("error"),
+                          *number("low"),
+                          *number("high"),
+                          find_text(metadata, prefix + "measure").value_or(""),
+                          {}};
   for (auto it = metadata.lower_bound(part_prefix); it != metadata.end() && it->first.starts_with(part_prefix); ++it) {
     if (const auto share = find_number(metadata, it->first))
       certificate.parts[it->first.substr(part_prefix.size())] = *share;
