@@ -7,6 +7,7 @@
 #include "grid/base/anchor.h"
 #include "grid/base/error.h"
 #include "grid/io/vdb/vdb.h"
+#include "tools/bake/grid_contract.h"
 #include "tools/bake/grid_result.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
@@ -26,6 +27,7 @@ struct BakeGridOptions {
   std::vector<std::string> dynamic;    // regions
   std::uint64_t seed = 1;
   GridBakeParams params;
+  GridContractOptions contract;
 };
 
 // In the world.
@@ -59,6 +61,47 @@ Imath::Box3d parse_bounds(const std::string& text) {
   return box;
 }
 
+// The input's first.
+void put_input_warnings(const SceneInput& input, nlohmann::ordered_json& result) {
+  nlohmann::ordered_json warnings = input.warnings;
+  if (result.contains("warnings"))
+    warnings.insert(warnings.end(), result["warnings"].begin(), result["warnings"].end());
+  result["warnings"] = std::move(warnings);
+}
+
+// To an error: `bake` holds what is given of spacing and photons.
+void run_contract(const BakeGridOptions& options, const GridBakeParams& bake, const SceneInput& input,
+                  const CommonOptions& common) {
+  const V3d& anchor_m = input.lit.scene->anchor_m;
+  ContractParams params = contract_params(options.contract, bake, anchor_m, common);
+  if (options.contract.dry_run) {
+    const GridPlan plan = plan_grid(input.lit, params);
+    nlohmann::ordered_json result{{"plan", plan_json(plan, params.target, anchor_m)}};
+    put_input_warnings(input, result);
+    return print_result(common, result, plan_text(plan, params.target));
+  }
+  const auto start = std::chrono::steady_clock::now();
+  ContractResult contract = [&] {
+    Progress progress(common, "baking", "photons");
+    params.note = [&](const std::string& line) { progress.note(line); };
+    params.bake.progress = progress.callback();
+    return bake_to_error(input.lit, params);
+  }();
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  check_voxels(options.output, contract.sums.frame);
+  for (const auto& [key, value] : input.origin) contract.sums.metadata[key] = value;
+  contract.sums.metadata["version"] = std::string(IVORY_VERSION);
+  keep_contract(contract, options.contract);
+  auto result = write_result(options.output, contract.sums, /*finished=*/true, common);
+  result["plan"] = plan_json(contract.plan, params.target, anchor_m);
+  result["seconds"] = seconds;
+  put_input_warnings(input, result);
+  add_contract_result(contract, options.contract, result, common);
+  print_result(common, result,
+               result_text(result) + contract_text(contract) +
+                   fmt::format("{:.2f} s on {} threads, pilots and certificate included\n", seconds, bake.threads));
+}
+
 void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) {
   GridBakeParams params = options.params;
   params.seed = options.seed;
@@ -69,17 +112,21 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
     throw UsageError(fmt::format("--photon-range ends at {}, past the {} of --photons", params.photon_range->second,
                                  params.photons));
   }
-  check_output(options.output, ".vdb", common);
+  const bool contract = has_contract(options.contract, params);
+  params.max_memory_bytes = options.contract.most_memory_bytes;
+  if (!options.contract.dry_run) check_output(options.output, ".vdb", common);
 
   const auto input = load_scene_input(options.scene, options.load, options.environment, common, [&](Scene& scene) {
     if (options.bounds) params.bounds = local_box(*options.bounds, scene.anchor_m);
     if (!options.dynamic.empty()) params.dynamic_regions.emplace();
     for (const Imath::Box3d& region : regions) params.dynamic_regions->push_back(local_box(region, scene.anchor_m));
+    if (contract && !params.resolution && !params.voxel_size_m) return;
     // Before what takes time is built of the scene.
     params.frame = default_frame(scene, params);
     check_grid_memory(scene, *params.frame, params);
     check_voxels(options.output, *params.frame);
   });
+  if (contract) return run_contract(options, params, input, common);
   const GridFrame frame = *params.frame;
   if (const int threads = affordable_threads(input.lit, frame, params); threads < params.threads) {
     print_note(common, fmt::format("note: {} threads instead of {}: each needs memory for the whole grid", threads,
@@ -103,10 +150,7 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   const double rate = static_cast<double>(sums.photon_end - sums.photon_begin) / seconds;
   result["seconds"] = seconds;
   result["photons_per_second"] = rate;
-  // The input's first.
-  nlohmann::ordered_json warnings = input.warnings;
-  warnings.insert(warnings.end(), result["warnings"].begin(), result["warnings"].end());
-  result["warnings"] = std::move(warnings);
+  put_input_warnings(input, result);
   print_result(common, result,
                result_text(result) +
                    fmt::format("{:.2f} s, {} photons/s on {} threads\n", seconds, format_count(rate), params.threads));
@@ -135,7 +179,7 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
 
   Option resolution = command.add_option(
       "--resolution", [&params](const std::string& text) { params.resolution = parse_size3("--resolution", text, 2); },
-      "Vertices along x, y and z, or one number for all [32 along the longest side]");
+      "Vertices along x, y and z, or one number for all [chosen by the error]");
   resolution.type_name("NX,NY,NZ");
   command
       .add_option("--voxel-size", params.voxel_size_m, "Distance between vertices in metres, the same along x, y and z")
@@ -155,7 +199,8 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
             params.photons = parse_count("--photons", text);
             if (params.photons == 0) throw UsageError("--photons must be at least 1");
           },
-          "Photons of the whole bake; k, m, g are allowed [256 a vertex, at least 1m]")
+          "Photons of the whole bake; k, m, g are allowed [chosen by the error; 256 a vertex, at least 1m,\n"
+          "where the spacing is given]")
       .type_name("COUNT");
   command
       .add_option(
@@ -176,10 +221,11 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
   command.add_choice("--guard", params.guard,
                      "Leak guard: rays and planes count only light that a vertex sees and store its\n"
                      "compact guard; off does neither");
+  add_grid_contract_options(command, options->contract);
   command.footer(
       "The same command gives the same bytes with any --threads.\n"
       "\nExamples:\n"
-      "  ivory bake grid room.glb -o room.vdb\n"
+      "  ivory bake grid room.glb -o room.vdb --target-error 2%\n"
       "  ivory bake grid room.glb -o room.vdb --resolution 48,24,48 --photons 16m\n"
       "  ivory bake grid street.glb -o room.vdb --bounds -3,0,-2:3,2.8,2 --rotate-y 30   (one room, not the sky dome)\n"
       "  ivory bake grid room.glb -o b.vdb --photons 16m --photon-range 8m:16m   (one machine's half; see ivory "

@@ -162,8 +162,7 @@ struct BakeMemory {
 BakeMemory bake_memory(const GridFrame& frame, const GridBakeParams& params, bool fine) {
   const double sums = double(frame.vertex_count()) * sum_layout(params.basis, params.estimator).stride();
   const double shared = sums * 16 + double(frame.vertex_count()) * (double(function_count(params.basis)) * 12 + 64);
-  const double limit = params.max_memory_bytes != 0 ? double(params.max_memory_bytes) : 0.75 * available_memory_bytes();
-  return {shared, sums * (fine ? 8 : 4), limit};
+  return {shared, sums * (fine ? 8 : 4), memory_limit_bytes(params)};
 }
 
 void check(const std::string& scene, const GridFrame& frame, const GridBakeParams& params, const BakeMemory& memory) {
@@ -184,6 +183,15 @@ void check(const std::string& scene, const GridFrame& frame, const GridBakeParam
 }
 
 }  // namespace
+
+double memory_limit_bytes(const GridBakeParams& params) {
+  return params.max_memory_bytes != 0 ? double(params.max_memory_bytes) : 0.75 * available_memory_bytes();
+}
+
+double grid_memory_bytes(const GridFrame& frame, const GridBakeParams& params, int threads) {
+  const BakeMemory memory = bake_memory(frame, params, true);
+  return memory.shared + memory.own * threads;
+}
 
 void check_grid_memory(const Scene& scene, const GridFrame& frame, const GridBakeParams& params) {
   check(scene.name, frame, params, bake_memory(frame, params, false));
