@@ -9,6 +9,7 @@
 #include "grid/io/vdb/vdb.h"
 #include "tools/bake/grid_contract.h"
 #include "tools/bake/grid_result.h"
+#include "tools/cli/box.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/scene.h"
@@ -30,16 +31,6 @@ struct BakeGridOptions {
   GridContractOptions contract;
 };
 
-// In the world.
-Imath::Box3d parse_box(const std::string& option, const std::string& text, const std::string& expected) {
-  const std::size_t colon = text.find(':');
-  if (colon == std::string::npos) throw UsageError(fmt::format("{} takes {}, not '{}'", option, expected, text));
-  Imath::Box3d box;
-  box.extendBy(parse_vector3(option, text.substr(0, colon)));
-  box.extendBy(parse_vector3(option, text.substr(colon + 1)));
-  return box;
-}
-
 Box3f local_box(const Imath::Box3d& box, const V3d& anchor_m) {
   return {to_local(box.min, anchor_m), to_local(box.max, anchor_m)};
 }
@@ -50,15 +41,6 @@ std::vector<Imath::Box3d> parse_regions(const std::vector<std::string>& texts) {
   for (const std::string& text : texts)
     regions.push_back(parse_box("--dynamic", text, "none or a box X0,Y0,Z0:X1,Y1,Z1"));
   return regions;
-}
-
-Imath::Box3d parse_bounds(const std::string& text) {
-  const Imath::Box3d box = parse_box("--bounds", text, "a box X0,Y0,Z0:X1,Y1,Z1");
-  const V3d size = box.size();
-  constexpr double longest_m = 1e9;
-  if (!(size.x > 0) || !(size.y > 0) || !(size.z > 0) || !(size.length() < longest_m))
-    throw UsageError("--bounds: '" + text + "' must have some extent along each axis, and less than a million km");
-  return box;
 }
 
 // The input's first.
@@ -166,7 +148,7 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
   command.add_option("-o,--output", options->output, "Grid to write, .vdb").required().type_name("OUT.vdb");
   command
       .add_option(
-          "--bounds", [options](const std::string& text) { options->bounds = parse_bounds(text); },
+          "--bounds", [options](const std::string& text) { options->bounds = parse_bounds("--bounds", text); },
           "What the grid covers, in metres: the rest of the scene sends light and shadows into it but\n"
           "stores none, and points outside read the nearest vertices [the whole scene]")
       .type_name("X0,Y0,Z0:X1,Y1,Z1");
