@@ -12,6 +12,7 @@
 #include "tools/cli/common.h"
 #include "tools/input/scene.h"
 #include "tracer/bake/field/baker.h"
+#include "tracer/bake/field/deposit_target.h"
 
 namespace ivory {
 
@@ -76,12 +77,13 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
     if (!options.dynamic.empty()) params.dynamic_regions.emplace();
     for (const Imath::Box3d& region : regions) params.dynamic_regions->push_back(local_box(region, scene.anchor_m));
     // Before what takes time is built of the scene.
-    params.frame = default_frame(scene, params);
-    check_grid_memory(scene, *params.frame, params);
-    check_voxels(options.output, *params.frame);
+    params.lattice = default_lattice(scene, params);
+    check_estimator(*params.lattice, params.estimator);
+    check_grid_memory(scene, *params.lattice, params);
+    check_voxels(options.output, params.lattice->finest_frame());
   });
-  const GridFrame frame = *params.frame;
-  if (const int threads = affordable_threads(input.lit, frame, params); threads < params.threads) {
+  const Lattice& lattice = *params.lattice;
+  if (const int threads = affordable_threads(input.lit, lattice, params); threads < params.threads) {
     print_note(common, fmt::format("note: {} threads instead of {}: each needs memory for the whole grid", threads,
                                    params.threads));
     params.threads = threads;
@@ -89,9 +91,13 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   const auto start = std::chrono::steady_clock::now();
   GridAccumulator sums = [&] {
     Progress progress(common, "baking", "photons");
-    progress.note(fmt::format("{}x{}x{} vertices, {:.4g} x {:.4g} x {:.4g} m apart; finding what each sees",
-                              frame.size.x, frame.size.y, frame.size.z, frame.spacing_m.x, frame.spacing_m.y,
-                              frame.spacing_m.z));
+    const GridFrame& frame = lattice.finest_frame();
+    const std::string vertices =
+        lattice.levels() == 1 ? fmt::format("{}x{}x{} vertices,", frame.size.x, frame.size.y, frame.size.z)
+                              : fmt::format("{} vertices on {} levels,", lattice.vertex_count(), lattice.levels());
+    progress.note(fmt::format("{} {:.4g} x {:.4g} x {:.4g} m apart{}; finding what each sees", vertices,
+                              frame.spacing_m.x, frame.spacing_m.y, frame.spacing_m.z,
+                              lattice.levels() == 1 ? "" : " on the finest"));
     params.progress = progress.callback();
     return bake_grid_sums(input.lit, params);
   }();
