@@ -7,7 +7,9 @@
 #include "grid/base/anchor.h"
 #include "grid/base/error.h"
 #include "grid/io/vdb/vdb.h"
+#include "tools/bake/grid_contract.h"
 #include "tools/bake/grid_result.h"
+#include "tools/cli/box.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/scene.h"
@@ -27,17 +29,8 @@ struct BakeGridOptions {
   std::vector<std::string> dynamic;    // regions
   std::uint64_t seed = 1;
   GridBakeParams params;
+  GridContractOptions contract;
 };
-
-// In the world.
-Imath::Box3d parse_box(const std::string& option, const std::string& text, const std::string& expected) {
-  const std::size_t colon = text.find(':');
-  if (colon == std::string::npos) throw UsageError(fmt::format("{} takes {}, not '{}'", option, expected, text));
-  Imath::Box3d box;
-  box.extendBy(parse_vector3(option, text.substr(0, colon)));
-  box.extendBy(parse_vector3(option, text.substr(colon + 1)));
-  return box;
-}
 
 Box3f local_box(const Imath::Box3d& box, const V3d& anchor_m) {
   return {to_local(box.min, anchor_m), to_local(box.max, anchor_m)};
@@ -51,13 +44,45 @@ std::vector<Imath::Box3d> parse_regions(const std::vector<std::string>& texts) {
   return regions;
 }
 
-Imath::Box3d parse_bounds(const std::string& text) {
-  const Imath::Box3d box = parse_box("--bounds", text, "a box X0,Y0,Z0:X1,Y1,Z1");
-  const V3d size = box.size();
-  constexpr double longest_m = 1e9;
-  if (!(size.x > 0) || !(size.y > 0) || !(size.z > 0) || !(size.length() < longest_m))
-    throw UsageError("--bounds: '" + text + "' must have some extent along each axis, and less than a million km");
-  return box;
+// The input's first.
+void put_input_warnings(const SceneInput& input, nlohmann::ordered_json& result) {
+  nlohmann::ordered_json warnings = input.warnings;
+  if (result.contains("warnings"))
+    warnings.insert(warnings.end(), result["warnings"].begin(), result["warnings"].end());
+  result["warnings"] = std::move(warnings);
+}
+
+// To an error: `bake` holds what is given of spacing and photons.
+void run_contract(const BakeGridOptions& options, const GridBakeParams& bake, const SceneInput& input,
+                  const CommonOptions& common) {
+  const V3d& anchor_m = input.lit.scene->anchor_m;
+  ContractParams params = contract_params(options.contract, bake, anchor_m, common);
+  if (options.contract.dry_run) {
+    const GridPlan plan = plan_grid(input.lit, params);
+    nlohmann::ordered_json result{{"plan", plan_json(plan, params.target, anchor_m)}};
+    put_input_warnings(input, result);
+    return print_result(common, result, plan_text(plan, params.target));
+  }
+  const auto start = std::chrono::steady_clock::now();
+  ContractResult contract = [&] {
+    Progress progress(common, "baking", "photons");
+    params.note = [&](const std::string& line) { progress.note(line); };
+    params.bake.progress = progress.callback();
+    return bake_to_error(input.lit, params);
+  }();
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  check_voxels(options.output, contract.sums.frame);
+  for (const auto& [key, value] : input.origin) contract.sums.metadata[key] = value;
+  contract.sums.metadata["version"] = std::string(IVORY_VERSION);
+  keep_contract(contract, options.contract);
+  auto result = write_result(options.output, contract.sums, /*finished=*/true, common);
+  result["plan"] = plan_json(contract.plan, params.target, anchor_m);
+  result["seconds"] = seconds;
+  put_input_warnings(input, result);
+  add_contract_result(contract, options.contract, result, common);
+  print_result(common, result,
+               result_text(result) + contract_text(contract) +
+                   fmt::format("{:.2f} s on {} threads, pilots and certificate included\n", seconds, bake.threads));
 }
 
 void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) {
@@ -70,18 +95,26 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
     throw UsageError(fmt::format("--photon-range ends at {}, past the {} of --photons", params.photon_range->second,
                                  params.photons));
   }
-  check_output(options.output, ".vdb", common);
+  const bool contract = has_contract(options.contract, params);
+  params.max_memory_bytes = options.contract.most_memory_bytes;
+  if (!options.contract.dry_run) check_output(options.output, ".vdb", common);
 
   const auto input = load_scene_input(options.scene, options.load, options.environment, common, [&](Scene& scene) {
     if (options.bounds) params.bounds = local_box(*options.bounds, scene.anchor_m);
     if (!options.dynamic.empty()) params.dynamic_regions.emplace();
     for (const Imath::Box3d& region : regions) params.dynamic_regions->push_back(local_box(region, scene.anchor_m));
+    if (contract && !params.resolution && !params.voxel_size_m) return;
     // Before what takes time is built of the scene.
-    params.lattice = default_lattice(scene, params);
-    check_estimator(*params.lattice, params.estimator);
-    check_grid_memory(scene, *params.lattice, params);
-    check_voxels(options.output, params.lattice->finest_frame());
+    const Lattice placed = default_lattice(scene, params);
+    if (contract)
+      params.frame = placed.frame;
+    else
+      params.lattice = placed;
+    check_estimator(placed, params.estimator);
+    check_grid_memory(scene, placed, params);
+    check_voxels(options.output, placed.finest_frame());
   });
+  if (contract) return run_contract(options, params, input, common);
   const Lattice& lattice = *params.lattice;
   if (const int threads = affordable_threads(input.lit, lattice, params); threads < params.threads) {
     print_note(common, fmt::format("note: {} threads instead of {}: each needs memory for the whole grid", threads,
@@ -109,10 +142,7 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   const double rate = static_cast<double>(sums.photon_end - sums.photon_begin) / seconds;
   result["seconds"] = seconds;
   result["photons_per_second"] = rate;
-  // The input's first.
-  nlohmann::ordered_json warnings = input.warnings;
-  warnings.insert(warnings.end(), result["warnings"].begin(), result["warnings"].end());
-  result["warnings"] = std::move(warnings);
+  put_input_warnings(input, result);
   print_result(common, result,
                result_text(result) +
                    fmt::format("{:.2f} s, {} photons/s on {} threads\n", seconds, format_count(rate), params.threads));
@@ -128,7 +158,7 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
   command.add_option("-o,--output", options->output, "Grid to write, .vdb").required().type_name("OUT.vdb");
   command
       .add_option(
-          "--bounds", [options](const std::string& text) { options->bounds = parse_bounds(text); },
+          "--bounds", [options](const std::string& text) { options->bounds = parse_bounds("--bounds", text); },
           "What the grid covers, in metres: the rest of the scene sends light and shadows into it but\n"
           "stores none, and points outside read the nearest vertices [the whole scene]")
       .type_name("X0,Y0,Z0:X1,Y1,Z1");
@@ -141,7 +171,7 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
 
   Option resolution = command.add_option(
       "--resolution", [&params](const std::string& text) { params.resolution = parse_size3("--resolution", text, 2); },
-      "Vertices along x, y and z, or one number for all [32 along the longest side]");
+      "Vertices along x, y and z, or one number for all [chosen by the error]");
   resolution.type_name("NX,NY,NZ");
   command
       .add_option("--voxel-size", params.voxel_size_m, "Distance between vertices in metres, the same along x, y and z")
@@ -161,7 +191,8 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
             params.photons = parse_count("--photons", text);
             if (params.photons == 0) throw UsageError("--photons must be at least 1");
           },
-          "Photons of the whole bake; k, m, g are allowed [256 a vertex, at least 1m]")
+          "Photons of the whole bake; k, m, g are allowed [chosen by the error; 256 a vertex, at least 1m,\n"
+          "where the spacing is given]")
       .type_name("COUNT");
   command
       .add_option(
@@ -182,10 +213,11 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
   command.add_choice("--guard", params.guard,
                      "Leak guard: rays and planes count only light that a vertex sees and store its\n"
                      "compact guard; off does neither");
+  add_grid_contract_options(command, options->contract);
   command.footer(
       "The same command gives the same bytes with any --threads.\n"
       "\nExamples:\n"
-      "  ivory bake grid room.glb -o room.vdb\n"
+      "  ivory bake grid room.glb -o room.vdb --target-error 2%\n"
       "  ivory bake grid room.glb -o room.vdb --resolution 48,24,48 --photons 16m\n"
       "  ivory bake grid street.glb -o room.vdb --bounds -3,0,-2:3,2.8,2 --rotate-y 30   (one room, not the sky dome)\n"
       "  ivory bake grid room.glb -o b.vdb --photons 16m --photon-range 8m:16m   (one machine's half; see ivory "

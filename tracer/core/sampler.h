@@ -18,7 +18,9 @@ enum class StreamPurpose : std::uint32_t {
   visibility = 4,
   test = 5,
   gather = 6,
-  capture = 7
+  capture = 7,
+  domain = 16,
+  truth = 17
 };
 
 class RandomStream {

@@ -186,10 +186,6 @@ struct BakeMemory {
   double limit = 0;
 };
 
-double memory_limit(const GridBakeParams& params) {
-  return params.max_memory_bytes != 0 ? double(params.max_memory_bytes) : 0.75 * available_memory_bytes();
-}
-
 // What the threads share: sums, the grid, and the tables of bricks. Each adds to its own, 4 bytes a lane, twice where
 // photons of weak lights have sums of a finer unit, and all sums are there once more while they are sorted; unless
 // there are so many that the threads share them.
@@ -200,7 +196,7 @@ BakeMemory bake_memory(const Lattice& lattice, const GridBakeParams& params, int
   const bool own = choose_buffers(lattice.vertex_count(), layout, fine_bits) == DepositBuffers::own;
   const double shared = sums * (own ? 16 : 8) + vertices * (double(function_count(params.basis)) * 12 + 64) +
                         table_bytes(lattice.frame, lattice.levels());
-  return {shared, own ? sums * (fine_bits != 0 ? 8 : 4) : 0, memory_limit(params)};
+  return {shared, own ? sums * (fine_bits != 0 ? 8 : 4) : 0, memory_limit_bytes(params)};
 }
 
 constexpr double gib = 1024.0 * 1024 * 1024;
@@ -232,17 +228,26 @@ void check(const std::string& scene, const Lattice& lattice, const GridBakeParam
 
 }  // namespace
 
+double memory_limit_bytes(const GridBakeParams& params) {
+  return params.max_memory_bytes != 0 ? double(params.max_memory_bytes) : 0.75 * available_memory_bytes();
+}
+
+double grid_memory_bytes(const Lattice& lattice, const GridBakeParams& params, int threads) {
+  const BakeMemory memory = bake_memory(lattice, params, max_fine_bits);
+  return memory.shared + memory.own * threads;
+}
+
 Lattice default_lattice(const Scene& scene, const GridBakeParams& params) {
   const GridFrame frame = params.frame ? *params.frame : default_frame(scene, params);
   if (params.levels == 1) return frame;
   const double bytes = table_bytes(coarser_frame(frame, params.levels - 1), params.levels);
-  if (bytes > memory_limit(params)) {
+  if (bytes > memory_limit_bytes(params)) {
     throw Error(
         scene.name,
         fmt::format("the tables of a grid whose finest level has {}x{}x{} vertices, {:.4g} m apart, need {:.1f} "
                     "GiB and {:.1f} GiB may be used",
                     frame.size.x, frame.size.y, frame.size.z, frame.spacing_m.x, bytes / gib,
-                    memory_limit(params) / gib),
+                    memory_limit_bytes(params) / gib),
         "ask for larger voxels, or for a part of the scene");
   }
   SceneLatticeParams lattice;

@@ -49,6 +49,12 @@ Lattice default_lattice(const Scene& scene, const GridBakeParams& params);
 // The sphere around the grid's cells, which photons are sent to.
 EmissionTarget emission_target(const GridFrame& frame, const GridBakeParams& params);
 
+// What baking that grid takes on so many threads; less where no light is so much weaker than another that its photons
+// need sums of a finer unit.
+double grid_memory_bytes(const Lattice& lattice, const GridBakeParams& params, int threads);
+// params.max_memory_bytes, or what stands for it.
+double memory_limit_bytes(const GridBakeParams& params);
+
 // Throws Error where that grid cannot be baked within params.max_memory_bytes even on one thread: affordable_threads()
 // before there is a LitScene.
 void check_grid_memory(const Scene& scene, const Lattice& lattice, const GridBakeParams& params);

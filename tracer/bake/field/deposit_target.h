@@ -62,6 +62,7 @@ void check_estimator(const Lattice& lattice, Estimator estimator);
 // which the second moment may be 3 units of 2^30; what is weaker yet is rounded at random (see
 // tracer/bake/field/photon_deposit.cpp). None where all photons are above 2^-6 of the strongest, as with a single
 // light: their deposits are 2^12 coarse units, and second moments 2^6.
+inline constexpr int max_fine_bits = 12;
 int fine_bits(const Lights::PhotonPower& power);
 
 // What a bake keeps of it: lattice, basis, estimator, quanta and the sums by vertex. All else is left empty.

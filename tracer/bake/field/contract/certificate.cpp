@@ -1,0 +1,274 @@
+#include "tracer/bake/field/contract/certificate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include "grid/field/lookup.h"
+#include "tracer/bake/field/contract/direction.h"
+#include "tracer/bake/field/contract/worst_places.h"
+#include "tracer/render/guard_rays.h"
+
+namespace ivory {
+namespace {
+
+constexpr std::size_t least_points = 16;
+constexpr int reach_paths = 64;
+
+double mean_of(const V3d& rgb) { return (rgb.x + rgb.y + rgb.z) / 3; }
+
+// --- How many points, how many paths ----------------------------------------------------------------------------
+//
+// With K paths of standard deviation s at each of N points where the grid is off by d, the square's estimate varies by
+// 2 s^4 / K^2 + 4 d^2 s^2 / K + C d^4, C the square of the coefficient of variation of d^2 over the points: about 9
+// where a tenth of them holds 70 % of the sum. For a given N K that is least at K = sqrt(2 / C) s^2 / d^2.
+constexpr double spread_of_squares = 9;
+
+int best_paths(double path_variance, double square) {
+  constexpr double least = 64;
+  constexpr double most = 65536;
+  const double paths = std::sqrt(2 / spread_of_squares) * path_variance / square;
+  return int(std::clamp(paths, least, most)) / truth_groups * truth_groups;
+}
+
+struct Measured {
+  std::vector<MeasuredPoint> points;
+  std::vector<DomainPoint> dark;
+  std::uint64_t next = 0;
+};
+
+void measure(const LitScene& lit, const IrradianceGrid& grid, const Domain& domain, std::size_t count, int paths,
+             const CertificateParams& params, Measured& into) {
+  TruePoints found = find_true_points(lit, domain, into.next, count, paths, params.truth);
+  const std::size_t first = into.points.size();
+  into.points.resize(first + found.lit.size());
+  tbb::parallel_for(std::size_t(0), found.lit.size(), [&](std::size_t i) {
+    MeasuredPoint& point = into.points[first + i];
+    point.point = found.lit[i];
+    point.reading = read_grid(grid, lit.intersector, point.point.at, params.lookup);
+    point.sample = error_sample(point.point, point.reading.e);
+  });
+  into.dark.insert(into.dark.end(), found.dark.begin(), found.dark.end());
+  into.next = found.next;
+}
+
+std::vector<ErrorSample> samples_of(const std::vector<MeasuredPoint>& points) {
+  std::vector<ErrorSample> samples;
+  for (const MeasuredPoint& p : points) samples.push_back(p.sample);
+  return samples;
+}
+
+// Weighted mean over the points.
+template <typename F>
+double mean_over(const std::vector<MeasuredPoint>& points, const F& value) {
+  double sum = 0;
+  double weights = 0;
+  for (const MeasuredPoint& p : points) {
+    sum += p.sample.weight * value(p);
+    weights += p.sample.weight;
+  }
+  return weights > 0 ? sum / weights : 0;
+}
+
+// Light read where none arrives, by the same look-ups.
+double leaks_at(const std::vector<DomainPoint>& dark, const LitScene& lit, const IrradianceGrid& grid,
+                const LookupParams& lookup) {
+  if (dark.empty()) return 0;
+  std::vector<double> squares(dark.size());
+  tbb::parallel_for(std::size_t(0), dark.size(), [&](std::size_t i) {
+    const V3d e = read_grid(grid, lit.intersector, dark[i], lookup).e;
+    squares[i] = e.length2() / 3;
+  });
+  double sum = 0;
+  for (const double square : squares) sum += square;
+  return std::sqrt(sum / double(dark.size()));
+}
+
+std::string describe(const FieldCertificate& certificate, const Domain& domain, const LookupParams& lookup) {
+  std::size_t on_surface = 0;
+  for (const MeasuredPoint& p : certificate.points) on_surface += p.point.at.on_surface ? 1 : 0;
+  const std::size_t in_space = certificate.points.size() - on_surface;
+  std::string where;
+  if (!domain.params().given.empty()) {
+    where = fmt::format("{} given points", certificate.points.size());
+  } else if (in_space == 0) {
+    where = fmt::format("{} lit surface points", on_surface);
+  } else if (on_surface == 0) {
+    where = fmt::format("{} lit points of free space", in_space);
+  } else {
+    where = fmt::format("{} lit surface points and {} of free space", on_surface, in_space);
+  }
+  return fmt::format("RMS of E over {}, three channels, ÷ mean E there; read with guard {}, {}; {} paths a point",
+                     where, std::string(name_of(lookup.guard)), std::string(name_of(lookup.interpolation)),
+                     certificate.paths_a_point);
+}
+
+}  // namespace
+
+TruePoints find_true_points(const LitScene& lit, const Domain& domain, std::uint64_t first, std::size_t count,
+                            int paths, const TruthParams& params) {
+  TruePoints out;
+  out.next = first;
+  const bool given = !domain.params().given.empty();
+  const std::uint64_t last = given ? domain.size() : first + 8 * std::uint64_t(count) + 256;
+  constexpr std::uint64_t batch = 256;
+  while (out.lit.size() < count && out.next < last) {
+    const std::uint64_t size = std::min(batch, last - out.next);
+    std::vector<DomainPoint> candidates(size);
+    std::vector<char> reached(size);
+    const std::uint64_t begin = out.next;
+    tbb::parallel_for(std::uint64_t(0), size, [&](std::uint64_t i) {
+      candidates[i] = domain.point(begin + i);
+      reached[i] = given || (candidates[i].weight > 0 &&
+                             light_reaches(lit, candidates[i].p, candidates[i].n, reach_paths, begin + i, params));
+    });
+    for (std::uint64_t i = 0; i < size && out.lit.size() < count; ++i) {
+      ++out.next;
+      if (reached[i] != 0)
+        out.lit.push_back({candidates[i], begin + i, {}});
+      else if (candidates[i].weight > 0)
+        out.dark.push_back(candidates[i]);
+    }
+  }
+  tbb::parallel_for(std::size_t(0), out.lit.size(), [&](std::size_t i) {
+    TruePoint& point = out.lit[i];
+    point.truth = trace_truth(lit, point.at.p, point.at.n, paths, point.index, params);
+  });
+  return out;
+}
+
+Reading read_grid(const IrradianceGrid& grid, const Intersector& intersector, const DomainPoint& at,
+                  const LookupParams& lookup) {
+  Reading out;
+  const Footprint footprint = lookup_footprint(grid, &intersector, at.p, at.n, lookup);
+  out.e = V3d(irradiance(grid, footprint, at.n, lookup.reconstruction));
+  const V3d error = V3d(irradiance_standard_error(grid, footprint)) * noise_of_standard_error;
+  out.noise = error * error;
+  out.unseen = footprint.count == 0;
+  if (grid.basis == Basis::vectors && footprint.count > 0) {
+    std::array<float, 36> moments{};
+    for (std::size_t i = 0; i < std::size_t(footprint.count); ++i) {
+      const float* m = grid.at(footprint.vertex[i]);
+      for (std::size_t k = 0; k < moments.size(); ++k) moments[k] += footprint.weight[i] * m[k];
+    }
+    const IrradianceBracket bracket = irradiance_bracket(moments.data(), grid.frame.direction_to_local(at.n));
+    out.bracket = mean_of(V3d(bracket.upper - bracket.lower));
+  }
+  out.e_by_planes = out.e;
+  if (lookup.guard == Guard::rays && !grid.guard.empty()) {
+    LookupParams planes = lookup;
+    planes.guard = Guard::planes;
+    out.e_by_planes = V3d(irradiance(grid, lookup_footprint(grid, at.p, at.n, planes), at.n, lookup.reconstruction));
+  }
+  return out;
+}
+
+ErrorSample error_sample(const TruePoint& point, const V3d& read) {
+  const V3d off = read - point.truth.e;
+  return {point.at.weight, mean_of(off * off - point.truth.variance), mean_of(point.truth.e)};
+}
+
+std::optional<FieldCertificate> certify(const LitScene& lit, const IrradianceGrid& grid, const Domain& domain,
+                                        const CertificateParams& params) {
+  const bool given = !domain.params().given.empty();
+  // A few points tell how the truth and the error vary; they are not counted.
+  constexpr std::size_t trial_points = 128;
+  constexpr int trial_paths = 256;
+  Measured trial;
+  if (!given) trial.next = params.first_point;
+  measure(lit, grid, domain, trial_points, trial_paths, params, trial);
+  const double mean_e = mean_over(trial.points, [](const MeasuredPoint& p) { return p.sample.value; });
+  if (trial.points.size() < std::min<std::size_t>(least_points, domain.size()) || trial.points.size() < 2 ||
+      !(mean_e > 0))
+    return std::nullopt;
+  const double path_variance =
+      trial_paths * mean_over(trial.points, [](const MeasuredPoint& p) { return mean_of(p.point.truth.variance); });
+  const double floor = 0.25 * params.target * params.target * mean_e * mean_e;
+  constexpr double least_share = 0.002;  // of mean E, what is resolved where nothing was asked for
+  const double square = std::max({std::pow(root_mean_square(samples_of(trial.points)).error * mean_e, 2), floor,
+                                  std::pow(least_share * mean_e, 2)});
+
+  FieldCertificate out;
+  out.paths_a_point = best_paths(path_variance, square);
+  Measured measured;
+  if (!given) measured.next = trial.next;
+  const auto affordable = [&](double points) {
+    const double most = std::min(double(params.most_points), double(params.most_paths) / out.paths_a_point);
+    return std::size_t(std::clamp(points, 1.0, std::max(most, 64.0)));
+  };
+  constexpr double first_points = 512;
+  measure(lit, grid, domain, given ? domain.size() : affordable(first_points), out.paths_a_point, params, measured);
+  if (measured.points.size() < 2) return std::nullopt;
+  out.interval = root_mean_square(samples_of(measured.points));
+  out.mean_e_lux = mean_over(measured.points, [](const MeasuredPoint& p) { return p.sample.value; });
+  if (!(out.mean_e_lux > 0)) return std::nullopt;
+  if (!given) {
+    // se(T) ~ 2 T se(ln error): aimed at `precision` of the error, or of half the target where the error is less.
+    const double t = out.interval.error * out.interval.error;
+    const double se = std::isfinite(out.interval.log_standard_error) ? 2 * t * out.interval.log_standard_error
+                                                                     : out.interval.high * out.interval.high / 2.6;
+    const double aim = 2 * params.precision * std::max(t, square / (mean_e * mean_e));
+    const double have = double(measured.points.size());
+    const std::size_t wanted = affordable(have * std::pow(se / aim, 2));
+    if (wanted > measured.points.size()) {
+      measure(lit, grid, domain, wanted - measured.points.size(), out.paths_a_point, params, measured);
+      out.interval = root_mean_square(samples_of(measured.points));
+      out.mean_e_lux = mean_over(measured.points, [](const MeasuredPoint& p) { return p.sample.value; });
+    }
+  }
+  out.points = std::move(measured.points);
+  out.dark_points = measured.dark.size();
+
+  std::map<std::string, double> parts;
+  const auto share = [&](double mean_square) { return std::sqrt(std::max(0.0, mean_square)) / out.mean_e_lux; };
+  parts["noise"] = share(mean_over(out.points, [](const MeasuredPoint& p) { return mean_of(p.reading.noise); }));
+  parts["unseen"] =
+      share(mean_over(out.points, [](const MeasuredPoint& p) { return p.reading.unseen ? p.sample.square : 0; }));
+  if (grid.light == StoredLight::indirect) {
+    const DirectionErrors errors = direction_errors(lit, out.points, grid.frame, out.mean_e_lux, params.truth);
+    out.direction_vectors = errors.vectors;
+    out.direction_vectors9 = errors.vectors9;
+    out.direction_sh9 = errors.sh9;
+    const std::optional<double> own = grid.basis == Basis::vectors    ? out.direction_vectors
+                                      : grid.basis == Basis::vectors9 ? out.direction_vectors9
+                                      : grid.basis == Basis::sh9      ? out.direction_sh9
+                                                                      : std::nullopt;
+    if (own && params.lookup.reconstruction == Reconstruction::optimal) parts["direction"] = *own;
+  }
+  double rest = out.interval.error * out.interval.error;
+  for (const auto& [name, part] : parts) rest -= part * part;
+  parts["resolution"] = std::sqrt(std::max(0.0, rest));
+  parts["leaks"] = leaks_at(measured.dark, lit, grid, params.lookup) / out.mean_e_lux;
+  if (params.lookup.guard == Guard::rays && !grid.guard.empty()) {
+    parts["planes"] = share(mean_over(
+        out.points, [](const MeasuredPoint& p) { return (p.reading.e_by_planes - p.reading.e).length2() / 3; }));
+  }
+  out.worst = worst_places(lit, out.points, grid, out.mean_e_lux);
+  out.summary = {
+      params.target,   out.interval.error, out.interval.low, out.interval.high, describe(out, domain, params.lookup),
+      std::move(parts)};
+  return out;
+}
+
+std::string text_of(const WorstPlace& place) {
+  return fmt::format("{:.7g} {:.7g} {:.7g}, {}: {:.3g} lux read for {:.3g}, {:+.2g} % of mean E; {}", place.p_world.x,
+                     place.p_world.y, place.p_world.z,
+                     place.on_surface
+                         ? fmt::format("on a surface of normal {:.2g} {:.2g} {:.2g}", place.n.x, place.n.y, place.n.z)
+                         : "in free space",
+                     place.read_lux, place.e_lux, 100 * place.off, place.cause);
+}
+
+void keep_field_certificate(const FieldCertificate& certificate, Metadata& metadata) {
+  keep_certificate(certificate.summary, metadata);
+  std::string text;
+  for (const WorstPlace& place : certificate.worst) {
+    if (!text.empty()) text += '\n';
+    text += text_of(place);
+  }
+  if (!text.empty()) metadata["certificate_worst"] = text;
+}
+
+}  // namespace ivory
