@@ -27,11 +27,9 @@ float hidden_by(const GuardRecord& record, const V3f& u);
 // A vertex this little behind a surface stands in its plane: rounding has no say about it.
 inline constexpr float in_plane_voxels = 0.01F;
 
-// The entries whose vertices see p (world, m) by their planes; all of them for a grid without guard. p lies off_m
-// before a surface of unit normal ng; ng is 0 for a point in space. Planes are fitted within a voxel of their vertex,
-// and those of the wider, tricubic footprint may not know of a wall between: its vertices behind the surface do not
-// count.
-VisibleEntries visible_by_guard(const IrradianceGrid& grid, const V3f& p, const V3f& ng, float off_m,
-                                const Footprint& footprint);
+// The entries whose vertices see the point by their planes, each from where its level reads it; all of them for a grid
+// without guard. Planes are fitted within a voxel of their vertex, and those of the wider, tricubic footprint may not
+// know of a wall between: its vertices behind the surface do not count.
+VisibleEntries visible_by_guard(const IrradianceGrid& grid, const LookupPoint& at, const Footprint& footprint);
 
 }  // namespace ivory

@@ -14,6 +14,7 @@
 #include "tools/cli/common.h"
 #include "tools/input/scene.h"
 #include "tracer/bake/field/baker.h"
+#include "tracer/bake/field/deposit_target.h"
 
 namespace ivory {
 
@@ -104,13 +105,18 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
     for (const Imath::Box3d& region : regions) params.dynamic_regions->push_back(local_box(region, scene.anchor_m));
     if (contract && !params.resolution && !params.voxel_size_m) return;
     // Before what takes time is built of the scene.
-    params.frame = default_frame(scene, params);
-    check_grid_memory(scene, *params.frame, params);
-    check_voxels(options.output, *params.frame);
+    const Lattice placed = default_lattice(scene, params);
+    if (contract)
+      params.frame = placed.frame;
+    else
+      params.lattice = placed;
+    check_estimator(placed, params.estimator);
+    check_grid_memory(scene, placed, params);
+    check_voxels(options.output, placed.finest_frame());
   });
   if (contract) return run_contract(options, params, input, common);
-  const GridFrame frame = *params.frame;
-  if (const int threads = affordable_threads(input.lit, frame, params); threads < params.threads) {
+  const Lattice& lattice = *params.lattice;
+  if (const int threads = affordable_threads(input.lit, lattice, params); threads < params.threads) {
     print_note(common, fmt::format("note: {} threads instead of {}: each needs memory for the whole grid", threads,
                                    params.threads));
     params.threads = threads;
@@ -118,9 +124,13 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   const auto start = std::chrono::steady_clock::now();
   GridAccumulator sums = [&] {
     Progress progress(common, "baking", "photons");
-    progress.note(fmt::format("{}x{}x{} vertices, {:.4g} x {:.4g} x {:.4g} m apart; finding what each sees",
-                              frame.size.x, frame.size.y, frame.size.z, frame.spacing_m.x, frame.spacing_m.y,
-                              frame.spacing_m.z));
+    const GridFrame& frame = lattice.finest_frame();
+    const std::string vertices =
+        lattice.levels() == 1 ? fmt::format("{}x{}x{} vertices,", frame.size.x, frame.size.y, frame.size.z)
+                              : fmt::format("{} vertices on {} levels,", lattice.vertex_count(), lattice.levels());
+    progress.note(fmt::format("{} {:.4g} x {:.4g} x {:.4g} m apart{}; finding what each sees", vertices,
+                              frame.spacing_m.x, frame.spacing_m.y, frame.spacing_m.z,
+                              lattice.levels() == 1 ? "" : " on the finest"));
     params.progress = progress.callback();
     return bake_grid_sums(input.lit, params);
   }();

@@ -99,7 +99,7 @@ TEST(Footprint, TheLastEntriesOfTheLargestFootprintAreSeenOnTheirOwn) {
   visible.set(70);
   EXPECT_GT(restrict_footprint(grid, visible, f), 0);
   for (std::size_t i = 0; i < 72; ++i) EXPECT_NEAR(f.weight[i], i == 70 ? 1 : 0, 1e-6F) << i;
-  EXPECT_TRUE(visible_by_guard(grid, p, V3f(0, 1, 0), 0, f).all());
+  EXPECT_TRUE(visible_by_guard(grid, {.p = p, .ng = V3f(0, 1, 0)}, f).all());
 }
 
 // A wall with its inner face at x = 3.1, its outer at 3.3, past the outermost vertices. Those know of it; the layers
