@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "grid/field/yield.h"
+
 namespace ivory {
 namespace {
 
@@ -38,7 +40,7 @@ std::uint32_t pack(const GuardPlane& plane) {
 }
 
 std::optional<GuardPlane> unpack(std::uint32_t word) {
-  if (word == 0) return std::nullopt;
+  if (word < no_guard_plane) return std::nullopt;
   float x = static_cast<float>(word & 1023U) / normal_steps * 2 - 1;
   float y = static_cast<float>((word >> 10U) & 1023U) / normal_steps * 2 - 1;
   const float z = 1 - std::abs(x) - std::abs(y);
@@ -62,22 +64,26 @@ float hidden_by(const GuardRecord& record, const V3f& u) {
 }
 
 VisibleEntries visible_by_guard(const IrradianceGrid& grid, const V3f& p, const V3f& ng, float off_m,
-                                const Footprint& footprint) {
+                                const Footprint& footprint, const Footprint* near) {
   VisibleEntries visible;
+  VisibleEntries in_front;
   if (grid.guard.empty()) return visible.set();
   const V3f index = grid.frame.to_index(p);
   const V3f& spacing = grid.frame.spacing_m;
   const V3f facing = grid.frame.direction_to_local(ng) * spacing;  // times voxels: metres along ng
+  const bool at_surface = ng != V3f(0, 0, 0);
   const float behind_m = off_m + in_plane_voxels * std::min({spacing.x, spacing.y, spacing.z});
   const bool wide = footprint.count > 8;
   for (std::size_t i = 0; i < std::size_t(footprint.count); ++i) {
     const std::uint32_t vertex = footprint.vertex[i];
     if (footprint.weight[i] == 0 || grid.visible_fraction[vertex] <= 0) continue;
     const V3f u = index - V3f(grid.frame.vertex_coordinates(vertex));
-    if (wide && facing.dot(u) > behind_m) continue;
+    const bool behind = facing.dot(u) > behind_m;
+    if (wide && behind) continue;
+    in_front[i] = at_surface && !behind;
     visible[i] = hidden_by(grid.guard[vertex], u) <= 0;
   }
-  return visible;
+  return wide ? yield_wide(grid, footprint, visible, in_front, near) : yield_near(grid, footprint, visible, in_front);
 }
 
 }  // namespace ivory

@@ -15,9 +15,10 @@ Footprint lookup_footprint(const IrradianceGrid& grid, const V3f& p, const V3f& 
   const float off_m = nudge_m(grid.frame, params);
   const V3f nudged = p + ng * off_m;
   if (params.guard == Guard::planes) {
-    return guarded_footprint(grid, nudged, params.interpolation, [&](const Footprint& footprint) {
-      return visible_by_guard(grid, nudged, ng, off_m, footprint);
-    });
+    return guarded_footprint(grid, nudged, params.interpolation,
+                             [&](const Footprint& footprint, const Footprint* near) {
+                               return visible_by_guard(grid, nudged, ng, off_m, footprint, near);
+                             });
   }
   Footprint footprint = make_footprint(grid.frame, nudged, params.interpolation);
   restrict_footprint(grid, VisibleEntries().set(), footprint);

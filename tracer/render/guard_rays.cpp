@@ -51,9 +51,10 @@ Footprint lookup_footprint(const IrradianceGrid& grid, const Intersector* inters
   }
   if (ahead) distance_m = std::min(distance_m, ahead->t / 2);
   const V3f nudged = origin + ng * distance_m;
-  return guarded_footprint(grid, nudged, params.interpolation, [&](const Footprint& footprint) {
-    return visible_by_rays(grid, *intersector, nudged, footprint);
-  });
+  return guarded_footprint(grid, nudged, params.interpolation,
+                           [&](const Footprint& footprint, const Footprint* /*near*/) {
+                             return visible_by_rays(grid, *intersector, nudged, footprint);
+                           });
 }
 
 Rgb lookup_irradiance(const IrradianceGrid& grid, const Intersector* intersector, const V3f& p, const V3f& ng,
