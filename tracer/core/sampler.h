@@ -18,7 +18,8 @@ enum class StreamPurpose : std::uint32_t {
   visibility = 4,
   test = 5,
   gather = 6,
-  capture = 7
+  capture = 7,
+  pilot = 8
 };
 
 class RandomStream {
