@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "grid/field/yield.h"
+
 namespace ivory {
 namespace {
 
@@ -38,7 +40,7 @@ std::uint32_t pack(const GuardPlane& plane) {
 }
 
 std::optional<GuardPlane> unpack(std::uint32_t word) {
-  if (word == 0) return std::nullopt;
+  if (word < no_guard_plane) return std::nullopt;
   float x = static_cast<float>(word & 1023U) / normal_steps * 2 - 1;
   float y = static_cast<float>((word >> 10U) & 1023U) / normal_steps * 2 - 1;
   const float z = 1 - std::abs(x) - std::abs(y);
@@ -81,20 +83,26 @@ struct LevelPoint {
 
 }  // namespace
 
-VisibleEntries visible_by_guard(const IrradianceGrid& grid, const LookupPoint& at, const Footprint& footprint) {
+VisibleEntries visible_by_guard(const IrradianceGrid& grid, const LookupPoint& at, const Footprint& footprint,
+                                const Footprint* near) {
   VisibleEntries visible;
+  VisibleEntries in_front;
   if (grid.guard.empty()) return visible.set();
   LevelPoint point;
+  const bool at_surface = at.ng != V3f(0, 0, 0);
   for (std::size_t i = 0; i < std::size_t(footprint.count); ++i) {
     const std::uint32_t vertex = footprint.vertex[i];
     if (footprint.weight[i] == 0 || grid.visible_fraction[vertex] <= 0) continue;
     const VertexPlace place = grid.place_of(vertex);
     if (place.level != point.level) point = LevelPoint(place.level, grid.frame_of(place.level), at);
     const V3f u = point.index - V3f(place.at);
-    if (footprint.wide && point.facing.dot(u) > point.behind_m) continue;
+    const bool behind = point.facing.dot(u) > point.behind_m;
+    if (footprint.wide && behind) continue;
+    in_front[i] = at_surface && !behind;
     visible[i] = hidden_by(grid.guard[vertex], u) <= 0;
   }
-  return visible;
+  return footprint.wide ? yield_wide(grid, footprint, visible, in_front, near)
+                        : yield_near(grid, footprint, visible, in_front);
 }
 
 }  // namespace ivory

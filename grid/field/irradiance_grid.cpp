@@ -134,7 +134,6 @@ float vertex_trust(float visible_fraction) {
 }
 
 float restrict_footprint(const IrradianceGrid& grid, const VisibleEntries& visible, Footprint& footprint) {
-  constexpr float least_weight = 1e-4F;  // below this a renormalised weight is rounding noise
   std::array<float, max_footprint> trusted;
   float kept = 0;
   for (std::size_t i = 0; i < std::size_t(footprint.count); ++i) {

@@ -122,6 +122,9 @@ Footprint make_footprint(const Lattice& lattice, const LookupPoint& at, Interpol
 // what is around it.
 float vertex_trust(float visible_fraction);
 
+// Below this, trust times weight is rounding noise once renormalised.
+inline constexpr float least_weight = 1e-4F;
+
 // Sets the weights of vertices that store nothing or do not see the point to zero, and renormalises the others. Returns
 // the share of the weight that was kept: 0, and nothing changed, where next to nothing would be left.
 float restrict_footprint(const IrradianceGrid& grid, const VisibleEntries& visible, Footprint& footprint);

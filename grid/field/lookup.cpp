@@ -14,8 +14,9 @@ Footprint lookup_footprint(const IrradianceGrid& grid, const V3f& p, const V3f& 
   assert(params.guard != Guard::rays);
   const LookupPoint at{.p = p, .ng = ng, .nudge_voxels = params.nudge_voxels};
   if (params.guard == Guard::planes) {
-    return guarded_footprint(grid, at, params.interpolation,
-                             [&](const Footprint& footprint) { return visible_by_guard(grid, at, footprint); });
+    return guarded_footprint(grid, at, params.interpolation, [&](const Footprint& footprint, const Footprint* near) {
+      return visible_by_guard(grid, at, footprint, near);
+    });
   }
   Footprint footprint = make_footprint(grid, at, params.interpolation);
   restrict_footprint(grid, VisibleEntries().set(), footprint);

@@ -10,23 +10,23 @@ namespace ivory {
 // How far a look-up in that level moves off the surface, in metres: by the smallest spacing.
 float nudge_m(const GridFrame& frame, const LookupParams& params);
 
-// The footprint read at a point. visible(footprint) says as VisibleEntries which entries see it, each from as far off
-// the surface as its level reads it; the others are left out. Where what is left holds less than `enough_weight`, in
-// narrow places, the vertices of the tricubic footprint that see the point help out. Where none does, no entry is left,
-// which reads as dark: on the outside of a lit house, and in gaps that no vertex sees into. (Such gaps of a cluttered
-// room, 8 to 32 vertices long, had 0.15 to 0.18 of its mean light. The vertex least hidden by its planes answered 0.34
-// to 0.88.)
+// The footprint read at a point. visible(footprint, near) says as VisibleEntries which entries see it, each from as far
+// off the surface as its level reads it; the others are left out (`near`: as visible_by_guard() has it). Where what is
+// left holds less than `enough_weight`, in narrow places, the vertices of the tricubic footprint that see the point
+// help out. Where none does, no entry is left, which reads as dark: on the outside of a lit house, and in gaps that no
+// vertex sees into. (Such gaps of a cluttered room, 8 to 32 vertices long, had 0.15 to 0.18 of its mean light. The
+// vertex least hidden by its planes answered 0.34 to 0.88.)
 inline constexpr float enough_weight = 0.25F;
 template <typename Visible>
 Footprint guarded_footprint(const IrradianceGrid& grid, const LookupPoint& at, Interpolation interpolation,
                             const Visible& visible) {
   Footprint footprint = make_footprint(grid, at, interpolation);
-  const float kept = restrict_footprint(grid, visible(footprint), footprint);
+  const float kept = restrict_footprint(grid, visible(footprint, nullptr), footprint);
   if (kept >= enough_weight) return footprint;
 
   if (interpolation == Interpolation::trilinear) {
     Footprint wide = make_footprint(grid, at, Interpolation::tricubic);
-    if (restrict_footprint(grid, visible(wide), wide) > 0) {
+    if (restrict_footprint(grid, visible(wide, kept > 0 ? &footprint : nullptr), wide) > 0) {
       footprint = blend(footprint, wide, kept / enough_weight);
       return footprint;
     }

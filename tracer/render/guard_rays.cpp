@@ -63,7 +63,7 @@ Footprint lookup_footprint(const IrradianceGrid& grid, const Intersector* inters
                        .ng = ng,
                        .nudge_voxels = params.nudge_voxels,
                        .most_m = ahead ? ahead->t / 2 : std::numeric_limits<float>::infinity()};
-  return guarded_footprint(grid, at, params.interpolation, [&](const Footprint& footprint) {
+  return guarded_footprint(grid, at, params.interpolation, [&](const Footprint& footprint, const Footprint* /*near*/) {
     return visible_by_rays(grid, *intersector, at, footprint);
   });
 }
