@@ -75,7 +75,7 @@ void run_contract(const BakeGridOptions& options, const GridBakeParams& bake, co
   for (const auto& [key, value] : input.origin) contract.sums.metadata[key] = value;
   contract.sums.metadata["version"] = std::string(IVORY_VERSION);
   keep_contract(contract, options.contract);
-  auto result = write_result(options.output, contract.sums, /*finished=*/true, common);
+  auto result = write_result(options.output, std::move(contract.sums), /*finished=*/true, common);
   result["plan"] = plan_json(contract.plan, params.target, anchor_m);
   result["seconds"] = seconds;
   put_input_warnings(input, result);
@@ -96,6 +96,8 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
                                  params.photons));
   }
   const bool contract = has_contract(options.contract, params);
+  if (contract && params.levels > 1)
+    throw UsageError("--levels refines the spacing that --voxel-size or --resolution asks for: give one, and photons");
   params.max_memory_bytes = options.contract.most_memory_bytes;
   if (!options.contract.dry_run) check_output(options.output, ".vdb", common);
 
@@ -140,8 +142,8 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   for (const auto& [key, value] : input.origin) sums.metadata[key] = value;
   sums.metadata["version"] = std::string(IVORY_VERSION);
 
-  auto result = write_result(options.output, sums, /*finished=*/!params.photon_range, common);
   const double rate = static_cast<double>(sums.photon_end - sums.photon_begin) / seconds;
+  auto result = write_result(options.output, std::move(sums), /*finished=*/!params.photon_range, common);
   result["seconds"] = seconds;
   result["photons_per_second"] = rate;
   put_input_warnings(input, result);
@@ -180,6 +182,9 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
       .positive()
       .type_name("METRES")
       .excludes(resolution);
+  command.add_count("--levels", params.levels, 1, max_levels,
+                    "Spacings side by side: the one asked for near surfaces and in --dynamic boxes, and up to\n"
+                    "2^(N-1) times that in the open; 1 is the same everywhere");
   command
       .add_option("--dynamic", options->dynamic,
                   "Where objects will move: a box X0,Y0,Z0:X1,Y1,Z1 in metres, or none; may be repeated. Away from\n"
