@@ -120,9 +120,13 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
     if (options.bounds) params.bounds = local_box(*options.bounds, scene.anchor_m);
     if (!options.dynamic.empty()) params.dynamic_regions.emplace();
     for (const Imath::Box3d& region : regions) params.dynamic_regions->push_back(local_box(region, scene.anchor_m));
-    if (contract && !params.resolution && !params.voxel_size_m) return;
     // Before what takes time is built of the scene.
     params.frame = default_frame(scene, params);
+    if (contract && !params.resolution && !params.voxel_size_m) {
+      check_voxels(options.output, *params.frame);  // what is about to be chosen is not much else
+      params.frame.reset();
+      return;
+    }
     check_grid_memory(scene, *params.frame, params);
     check_voxels(options.output, *params.frame);
   });
