@@ -36,7 +36,7 @@ std::string difference(const GridAccumulator& a, const GridAccumulator& b) {
   if (a.light != b.light) return "light";
   if (a.basis != b.basis) return "basis";
   if (a.estimator != b.estimator) return "estimator";
-  if (a.frame != b.frame || a.anchor_m != b.anchor_m) return "resolution or placement";
+  if (a.frame != b.frame || a.finer != b.finer || a.anchor_m != b.anchor_m) return "resolution or placement";
   if (a.quantum != b.quantum || a.quantum_squared != b.quantum_squared) return "fixed-point unit";
   // Of a ray along an edge two kinds of CPU may say different things: Embree has code of its own for each.
   if (a.visible_fraction != b.visible_fraction || a.guard != b.guard)

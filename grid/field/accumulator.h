@@ -41,6 +41,8 @@ struct GridAccumulator : GridVertices {
   // [vertex][slot][function 0, 1, ..., second moment][rgb] in units of the quanta. track sums flux times length, the
   // face estimators sum flux.
   std::vector<std::int64_t> sums;
+  // Of the coarsest level; each finer level has half and a quarter of them, so that its sums are those of a uniform
+  // grid of its spacing.
   double quantum = 0;              // one unit of a moment: lm m; lm for the face estimators
   double quantum_squared = 0;      // one unit of a second moment: (lm m)^2; lm^2
   std::uint64_t photon_begin = 0;  // half-open range of photon indices traced so far

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "grid/field/yield.h"
+
 namespace ivory {
 namespace {
 
@@ -38,7 +40,7 @@ std::uint32_t pack(const GuardPlane& plane) {
 }
 
 std::optional<GuardPlane> unpack(std::uint32_t word) {
-  if (word == 0) return std::nullopt;
+  if (word < no_guard_plane) return std::nullopt;
   float x = static_cast<float>(word & 1023U) / normal_steps * 2 - 1;
   float y = static_cast<float>((word >> 10U) & 1023U) / normal_steps * 2 - 1;
   const float z = 1 - std::abs(x) - std::abs(y);
@@ -61,23 +63,46 @@ float hidden_by(const GuardRecord& record, const V3f& u) {
   return most;
 }
 
-VisibleEntries visible_by_guard(const IrradianceGrid& grid, const V3f& p, const V3f& ng, float off_m,
-                                const Footprint& footprint) {
+namespace {
+
+// The point as one level reads it.
+struct LevelPoint {
+  int level = -1;
+  V3f index{0, 0, 0};
+  V3f facing{0, 0, 0};  // times voxels: metres along ng
+  float behind_m = 0;
+
+  LevelPoint() = default;
+  LevelPoint(int of_level, const GridFrame& frame, const LookupPoint& at)
+      : level(of_level),
+        index(frame.to_index(at.nudged(frame))),
+        facing(frame.direction_to_local(at.ng) * frame.spacing_m),
+        behind_m(at.off_m(frame) +
+                 in_plane_voxels * std::min({frame.spacing_m.x, frame.spacing_m.y, frame.spacing_m.z})) {}
+};
+
+}  // namespace
+
+VisibleEntries visible_by_guard(const IrradianceGrid& grid, const LookupPoint& at, const Footprint& footprint,
+                                const Footprint* near) {
   VisibleEntries visible;
+  VisibleEntries in_front;
   if (grid.guard.empty()) return visible.set();
-  const V3f index = grid.frame.to_index(p);
-  const V3f& spacing = grid.frame.spacing_m;
-  const V3f facing = grid.frame.direction_to_local(ng) * spacing;  // times voxels: metres along ng
-  const float behind_m = off_m + in_plane_voxels * std::min({spacing.x, spacing.y, spacing.z});
-  const bool wide = footprint.count > 8;
+  LevelPoint point;
+  const bool at_surface = at.ng != V3f(0, 0, 0);
   for (std::size_t i = 0; i < std::size_t(footprint.count); ++i) {
     const std::uint32_t vertex = footprint.vertex[i];
     if (footprint.weight[i] == 0 || grid.visible_fraction[vertex] <= 0) continue;
-    const V3f u = index - V3f(grid.frame.vertex_coordinates(vertex));
-    if (wide && facing.dot(u) > behind_m) continue;
+    const VertexPlace place = grid.place_of(vertex);
+    if (place.level != point.level) point = LevelPoint(place.level, grid.frame_of(place.level), at);
+    const V3f u = point.index - V3f(place.at);
+    const bool behind = point.facing.dot(u) > point.behind_m;
+    if (footprint.wide && behind) continue;
+    in_front[i] = at_surface && !behind;
     visible[i] = hidden_by(grid.guard[vertex], u) <= 0;
   }
-  return visible;
+  return footprint.wide ? yield_wide(grid, footprint, visible, in_front, near)
+                        : yield_near(grid, footprint, visible, in_front);
 }
 
 }  // namespace ivory

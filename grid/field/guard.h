@@ -15,8 +15,9 @@ struct GuardPlane {
 };
 inline constexpr int guard_planes = 4;
 
-// One plane in 32 bits: octahedral normal 10 + 10, distance 12. Never zero, which stands for no plane and unpacks to
-// nothing.
+// One plane in 32 bits: octahedral normal 10 + 10, distance 12. Never below no_guard_plane: such words stand for no
+// plane and unpack to nothing. Files hold 0 for it.
+inline constexpr std::uint32_t no_guard_plane = 1U << 20U;
 std::uint32_t pack(const GuardPlane& plane);
 std::optional<GuardPlane> unpack(std::uint32_t word);
 
@@ -27,11 +28,12 @@ float hidden_by(const GuardRecord& record, const V3f& u);
 // A vertex this little behind a surface stands in its plane: rounding has no say about it.
 inline constexpr float in_plane_voxels = 0.01F;
 
-// The entries whose vertices see p (world, m) by their planes; all of them for a grid without guard. p lies off_m
-// before a surface of unit normal ng; ng is 0 for a point in space. Planes are fitted within a voxel of their vertex,
-// and those of the wider, tricubic footprint may not know of a wall between: its vertices behind the surface do not
-// count.
-VisibleEntries visible_by_guard(const IrradianceGrid& grid, const V3f& p, const V3f& ng, float off_m,
-                                const Footprint& footprint);
+// The entries whose vertices see the point by their planes, each from where its level reads it; all of them for a grid
+// without guard. Planes are fitted within a voxel of their vertex, and those of the wider, tricubic footprint may not
+// know of a wall between: its vertices behind the surface do not count. What the planes let through wrongly gives way:
+// yield.h. `near` is the narrower footprint that a wide one is to help out, restricted to what sees the point; null:
+// there is none, or nothing of it does.
+VisibleEntries visible_by_guard(const IrradianceGrid& grid, const LookupPoint& at, const Footprint& footprint,
+                                const Footprint* near = nullptr);
 
 }  // namespace ivory

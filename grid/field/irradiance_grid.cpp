@@ -36,7 +36,9 @@ AxisFootprint axis_footprint(float x, int size, Interpolation interpolation) {
 }  // namespace
 
 void set_anchor(GridVertices& grid, const V3d& anchor_m) {
-  grid.frame.origin_m = to_local(to_world(grid.frame.origin_m, grid.anchor_m), anchor_m);
+  GridFrame frame = grid.frame;
+  frame.origin_m = to_local(to_world(frame.origin_m, grid.anchor_m), anchor_m);
+  set_frame(grid, frame);
   grid.anchor_m = anchor_m;
 }
 
@@ -47,6 +49,7 @@ Footprint make_footprint(const GridFrame& frame, const V3f& p, Interpolation int
                                           axis_footprint(index.z, frame.size.z, interpolation)};
   const std::size_t width = interpolation == Interpolation::trilinear ? 2 : 4;
   Footprint footprint;
+  footprint.wide = width == 4;
   for (std::size_t k = 0; k < width; ++k) {
     for (std::size_t j = 0; j < width; ++j) {
       const float weight_jk = axes[2].weight[k] * axes[1].weight[j];
@@ -61,13 +64,76 @@ Footprint make_footprint(const GridFrame& frame, const V3f& p, Interpolation int
   return footprint;
 }
 
+namespace {
+
+using AxisFootprints = std::array<AxisFootprint, 3>;
+
+// A level's part of a footprint: appends `share` of each weight whose vertex is stored, and returns what is left over.
+template <std::size_t width, typename VertexAt>
+float append_level(const AxisFootprints& axes, float share, const VertexAt& vertex_at, Footprint& footprint) {
+  float left = 0;
+  for (std::size_t k = 0; k < width; ++k) {
+    for (std::size_t j = 0; j < width; ++j) {
+      const float weight_jk = share * axes[2].weight[k] * axes[1].weight[j];
+      for (std::size_t i = 0; i < width; ++i) {
+        const float weight = weight_jk * axes[0].weight[i];
+        const std::uint32_t vertex = vertex_at(axes[0].index[i], axes[1].index[j], axes[2].index[k]);
+        if (vertex >= no_brick) {
+          left += weight;
+          continue;
+        }
+        const auto entry = std::size_t(footprint.count++);
+        footprint.vertex[entry] = vertex;
+        footprint.weight[entry] = weight;
+      }
+    }
+  }
+  return left;
+}
+
+template <std::size_t width>
+Footprint make_brick_footprint(const Lattice& lattice, const LookupPoint& at, Interpolation interpolation) {
+  Footprint footprint;
+  footprint.wide = width == 4;
+  float share = 1;
+  for (int level = lattice.levels() - 1; level >= 0 && share > 0; --level) {
+    const GridFrame& frame = lattice.frame_of(level);
+    const V3f index = frame.to_index(at.nudged(frame));
+    const AxisFootprints axes{axis_footprint(index.x, frame.size.x, interpolation),
+                              axis_footprint(index.y, frame.size.y, interpolation),
+                              axis_footprint(index.z, frame.size.z, interpolation)};
+    if (level == 0) {
+      append_level<width>(
+          axes, share, [&](int i, int j, int k) { return std::uint32_t(frame.vertex_index(i, j, k)); }, footprint);
+      break;
+    }
+    const BrickLevel& bricks = lattice.finer[std::size_t(level - 1)];
+    const V3i first(axes[0].index[0], axes[1].index[0], axes[2].index[0]);
+    if (bricks.vertex_at(first) > no_brick + 1) continue;  // no stored brick is near
+    share = append_level<width>(
+        axes, share,
+        [&](int i, int j, int k) {
+          return bricks.vertex_at({i, j, k});
+        },
+        footprint);
+  }
+  return footprint;
+}
+
+}  // namespace
+
+Footprint make_footprint(const Lattice& lattice, const LookupPoint& at, Interpolation interpolation) {
+  if (lattice.finer.empty()) return make_footprint(lattice.frame, at.nudged(lattice.frame), interpolation);
+  return interpolation == Interpolation::trilinear ? make_brick_footprint<2>(lattice, at, interpolation)
+                                                   : make_brick_footprint<4>(lattice, at, interpolation);
+}
+
 float vertex_trust(float visible_fraction) {
   constexpr float full_trust = 0.25F;
   return std::min(1.0F, visible_fraction / full_trust);
 }
 
 float restrict_footprint(const IrradianceGrid& grid, const VisibleEntries& visible, Footprint& footprint) {
-  constexpr float least_weight = 1e-4F;  // below this a renormalised weight is rounding noise
   std::array<float, max_footprint> trusted;
   float kept = 0;
   for (std::size_t i = 0; i < std::size_t(footprint.count); ++i) {
@@ -124,12 +190,13 @@ Rgb irradiance(const IrradianceGrid& grid, const Footprint& footprint, const V3f
 }
 
 Rgb irradiance_standard_error(const IrradianceGrid& grid, const Footprint& footprint, float unmet_lux) {
-  const Rgb unmet = Rgb(1, 1, 1) * (unmet_lux * unmet_lux);
   Rgb variance(0, 0, 0);
   for (int entry = 0; entry < footprint.count; ++entry) {
     const float weight = footprint.weight[std::size_t(entry)];
-    const Rgb& of_vertex = grid.variance[footprint.vertex[std::size_t(entry)]];
-    variance += (is_black(of_vertex) ? unmet : of_vertex) * (weight * weight);
+    const std::uint32_t vertex = footprint.vertex[std::size_t(entry)];
+    const Rgb& of_vertex = grid.variance[vertex];
+    const float unmet = std::ldexp(unmet_lux, 2 * grid.level_of(vertex));
+    variance += (is_black(of_vertex) ? Rgb(1, 1, 1) * (unmet * unmet) : of_vertex) * (weight * weight);
   }
   return {std::sqrt(variance.x), std::sqrt(variance.y), std::sqrt(variance.z)};
 }

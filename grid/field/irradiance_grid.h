@@ -1,15 +1,17 @@
 // A baked irradiance-vector grid in memory: where its vertices stand, what each stores, and E(p, n).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bitset>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "grid/base/metadata.h"
 #include "grid/base/names.h"
 #include "grid/field/basis.h"
-#include "grid/field/frame.h"
+#include "grid/field/lattice.h"
 
 namespace ivory {
 
@@ -25,10 +27,10 @@ template <>
 inline constexpr auto name_table<StoredLight> = make_name_table<StoredLight>(
     "light", {{StoredLight::indirect, "indirect"}, {StoredLight::direct_and_indirect, "direct and indirect"}});
 
-// What a grid and the sums that it is made from (accumulator.h) have in common.
-struct GridVertices {
-  GridFrame frame;
-  V3d anchor_m{0, 0, 0};  // the frame's positions plus this are the world's: grid/base/anchor.h
+// What a grid and the sums that it is made from (accumulator.h) have in common: where their vertices stand, and what
+// they see. Arrays by [vertex] have the lattice's vertex_count() of them.
+struct GridVertices : Lattice {
+  V3d anchor_m{0, 0, 0};  // the frames' positions plus this are the world's: grid/base/anchor.h
   Basis basis = Basis::vectors;
   StoredLight light = StoredLight::indirect;
   // [vertex] fraction of the vertex's cell, in 64ths, that the vertex sees; 0 marks a vertex that stores nothing
@@ -67,10 +69,12 @@ template <>
 inline constexpr auto name_table<Guard> =
     make_name_table<Guard>("guard", {{Guard::rays, "rays"}, {Guard::planes, "planes"}, {Guard::off, "off"}});
 
-// The vertices that a look-up reads and their interpolation weights, which add up to one.
-inline constexpr std::size_t max_footprint = 72;
+// The vertices that a look-up reads and their interpolation weights, which add up to one. Those of a level lie
+// together. In a uniform grid 8 trilinear, 64 tricubic, 72 a blend of both; where levels meet at most 16, 192, 208.
+inline constexpr std::size_t max_footprint = 208;
 struct Footprint {
-  int count = 0;  // 8 trilinear, 64 tricubic, 72 a blend of both; 0: no vertex sees the point, and E is 0
+  int count = 0;      // 0: no vertex sees the point, and E is 0
+  bool wide = false;  // holds vertices farther than a voxel from the point: tricubic
   std::array<std::uint32_t, max_footprint> vertex;
   std::array<float, max_footprint> weight;
 };
@@ -86,6 +90,21 @@ struct LookupParams {
   float nudge_voxels = 0.25F;  // p moves along n by this fraction of a voxel before it is looked up
 };
 
+// A point to look up (as the frames count it: world, m, less the anchor): on a surface of unit normal ng, which each
+// level leaves by a share of its own spacing, or in space, where ng is 0.
+struct LookupPoint {
+  V3f p;
+  V3f ng{0, 0, 0};
+  float nudge_voxels = 0;                                 // of the smallest spacing
+  float most_m = std::numeric_limits<float>::infinity();  // but never farther than this off the surface
+
+  float off_m(const GridFrame& level) const {
+    const V3f& h = level.spacing_m;
+    return std::min(nudge_voxels * std::min({h.x, h.y, h.z}), most_m);
+  }
+  V3f nudged(const GridFrame& level) const { return p + ng * off_m(level); }
+};
+
 // Places the vertices relative to another anchor; in the world they stay where they are.
 void set_anchor(GridVertices& grid, const V3d& anchor_m);
 
@@ -93,9 +112,18 @@ void set_anchor(GridVertices& grid, const V3d& anchor_m);
 // are repeated.
 Footprint make_footprint(const GridFrame& frame, const V3f& p, Interpolation interpolation);
 
+// The same in a lattice, from the finest level down: weights of vertices that are not stored pass on to the next
+// coarser level's footprint of the same point. So the fine level's share fades towards the border of its bricks as the
+// weights of the vertices beyond grow, and what is read has no jump. Two levels meet at most (tricubic: three), as
+// lattice.h says.
+Footprint make_footprint(const Lattice& lattice, const LookupPoint& at, Interpolation interpolation);
+
 // How much a vertex that sees that fraction of its cell counts, 0 to 1: one that sees less than a quarter knows less of
 // what is around it.
 float vertex_trust(float visible_fraction);
+
+// Below this, trust times weight is rounding noise once renormalised.
+inline constexpr float least_weight = 1e-4F;
 
 // Sets the weights of vertices that store nothing or do not see the point to zero, and renormalises the others. Returns
 // the share of the weight that was kept: 0, and nothing changed, where next to nothing would be left.
@@ -113,7 +141,8 @@ Rgb irradiance(const IrradianceGrid& grid, const Footprint& footprint, const V3f
 // track passes several of those around a point (too low), and all photons count a third, though those from behind the
 // receiver count nothing (too high). In a closed room with and without direct light, and on a plane under a sun, the
 // spread over seeds came to 0.71 to 0.81 of it, on the whole; at single points to between a half and 1.1 of it.
-// A vertex that no photon came to has the standard error unmet_lux: unmet_bound_lux() of evidence.h.
+// A vertex that no photon came to has the standard error unmet_lux (of the coarsest level; finer cells have smaller
+// faces, and as much more): unmet_bound_lux() of evidence.h.
 Rgb irradiance_standard_error(const IrradianceGrid& grid, const Footprint& footprint, float unmet_lux = 0);
 
 }  // namespace ivory

@@ -12,14 +12,13 @@ float nudge_m(const GridFrame& frame, const LookupParams& params) {
 
 Footprint lookup_footprint(const IrradianceGrid& grid, const V3f& p, const V3f& ng, const LookupParams& params) {
   assert(params.guard != Guard::rays);
-  const float off_m = nudge_m(grid.frame, params);
-  const V3f nudged = p + ng * off_m;
+  const LookupPoint at{.p = p, .ng = ng, .nudge_voxels = params.nudge_voxels};
   if (params.guard == Guard::planes) {
-    return guarded_footprint(grid, nudged, params.interpolation, [&](const Footprint& footprint) {
-      return visible_by_guard(grid, nudged, ng, off_m, footprint);
+    return guarded_footprint(grid, at, params.interpolation, [&](const Footprint& footprint, const Footprint* near) {
+      return visible_by_guard(grid, at, footprint, near);
     });
   }
-  Footprint footprint = make_footprint(grid.frame, nudged, params.interpolation);
+  Footprint footprint = make_footprint(grid, at, params.interpolation);
   restrict_footprint(grid, VisibleEntries().set(), footprint);
   return footprint;
 }

@@ -7,27 +7,32 @@
 
 namespace ivory {
 
-// How far a look-up moves off the surface, in metres: by the smallest spacing.
+// How far a look-up in that level moves off the surface, in metres: by the smallest spacing.
 float nudge_m(const GridFrame& frame, const LookupParams& params);
 
-// The footprint read at `nudged` (world, m, already off the surface). visible(footprint) says as VisibleEntries which
-// entries see it; the others are left out. Where what is left holds less than `enough_weight`, in narrow places, the
-// vertices of the tricubic footprint that see the point help out. Where none does, no entry is left, which reads as
-// dark: on the outside of a lit house, and in gaps that no vertex sees into. (Such gaps of a cluttered room, 8 to 32
-// vertices long, had 0.15 to 0.18 of its mean light. The vertex least hidden by its planes answered 0.34 to 0.88.)
+// The footprint read at a point. visible(footprint, near) says as VisibleEntries which entries see it, each from as far
+// off the surface as its level reads it; the others are left out (`near`: as visible_by_guard() has it). Where what is
+// left holds less than `enough_weight`, in narrow places, the vertices of the tricubic footprint that see the point
+// help out. Where none does, no entry is left, which reads as dark: on the outside of a lit house, and in gaps that no
+// vertex sees into. (Such gaps of a cluttered room, 8 to 32 vertices long, had 0.15 to 0.18 of its mean light. The
+// vertex least hidden by its planes answered 0.34 to 0.88.)
 inline constexpr float enough_weight = 0.25F;
 template <typename Visible>
-Footprint guarded_footprint(const IrradianceGrid& grid, const V3f& nudged, Interpolation interpolation,
+Footprint guarded_footprint(const IrradianceGrid& grid, const LookupPoint& at, Interpolation interpolation,
                             const Visible& visible) {
-  Footprint footprint = make_footprint(grid.frame, nudged, interpolation);
-  const float kept = restrict_footprint(grid, visible(footprint), footprint);
+  Footprint footprint = make_footprint(grid, at, interpolation);
+  const float kept = restrict_footprint(grid, visible(footprint, nullptr), footprint);
   if (kept >= enough_weight) return footprint;
 
   if (interpolation == Interpolation::trilinear) {
-    Footprint wide = make_footprint(grid.frame, nudged, Interpolation::tricubic);
-    if (restrict_footprint(grid, visible(wide), wide) > 0) return blend(footprint, wide, kept / enough_weight);
+    Footprint wide = make_footprint(grid, at, Interpolation::tricubic);
+    if (restrict_footprint(grid, visible(wide, kept > 0 ? &footprint : nullptr), wide) > 0) {
+      footprint = blend(footprint, wide, kept / enough_weight);
+      return footprint;
+    }
   }
-  return kept > 0 ? footprint : Footprint();
+  if (kept == 0) footprint.count = 0;
+  return footprint;
 }
 
 // The footprint that a look-up at surface point p (world, m; unit geometric normal ng on the lit side) reads, by the

@@ -78,17 +78,20 @@ Moments convert_from_vectors(Basis basis, const Moments& v) {
 
 IrradianceGrid resolve(const GridAccumulator& accumulator) {
   const SumLayout layout = sum_layout(accumulator.basis, accumulator.estimator);
-  const GridFrame& frame = accumulator.frame;
-  assert(accumulator.sums.size() == frame.vertex_count() * std::size_t(layout.stride()));
+  const std::size_t vertices = accumulator.vertex_count();
+  assert(accumulator.sums.size() == vertices * std::size_t(layout.stride()));
   const auto photons = static_cast<double>(accumulator.photon_end - accumulator.photon_begin);
 
   IrradianceGrid grid{accumulator, {}, {}};
-  grid.moments.assign(frame.vertex_count() * std::size_t(grid.stride()), 0.0F);
-  grid.variance.assign(frame.vertex_count(), Rgb(0, 0, 0));
+  grid.moments.assign(vertices * std::size_t(grid.stride()), 0.0F);
+  grid.variance.assign(vertices, Rgb(0, 0, 0));
   if (photons == 0) return grid;
 
-  const V3f& h = frame.spacing_m;
-  for (std::size_t vertex = 0; vertex < frame.vertex_count(); ++vertex) {
+  for (std::size_t vertex = 0; vertex < vertices; ++vertex) {
+    const int level = accumulator.level_of(std::uint32_t(vertex));
+    const V3f h = accumulator.frame_of(level).spacing_m;
+    const double quantum = std::ldexp(accumulator.quantum, -level);
+    const double quantum_squared = std::ldexp(accumulator.quantum_squared, -2 * level);
     const float fraction = accumulator.visible_fraction[vertex];
     if (fraction <= 0) continue;
     const std::int64_t* source = accumulator.sums.data() + vertex * std::size_t(layout.stride());
@@ -109,7 +112,7 @@ IrradianceGrid resolve(const GridAccumulator& accumulator) {
 
     float* target = grid.moments.data() + vertex * std::size_t(grid.stride());
     for (std::size_t f = 0; f < std::size_t(grid.stride()); ++f)
-      target[f] = static_cast<float>(moments[f] * accumulator.quantum / measure);
+      target[f] = static_cast<float>(moments[f] * quantum / measure);
 
     // Photons arrive independently, so the variance of a sum is the sum of squares. A receiver weighs each with max(0,
     // n.w), whose square averages 1/3 over its hemisphere.
@@ -119,8 +122,7 @@ IrradianceGrid resolve(const GridAccumulator& accumulator) {
       double squares = 0;
       for (int slot = 0; slot < layout.slots; ++slot)
         squares += static_cast<double>(source[slot * layout.lanes() + 3 * layout.functions + int(c)]);
-      grid.variance[vertex][c] =
-          static_cast<float>(squares * accumulator.quantum_squared / (3 * measure * measure * area * area));
+      grid.variance[vertex][c] = static_cast<float>(squares * quantum_squared / (3 * measure * measure * area * area));
     }
   }
   return grid;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include <fmt/format.h>
@@ -11,7 +12,9 @@
 #include "grid/base/error.h"
 #include "grid/base/half.h"
 #include "grid/field/compact_vectors.h"
+#include "grid/field/guard.h"
 #include "grid/field/lookup.h"
+#include "grid/field/yield.h"
 #include "grid/io/vdb/vdb.h"
 #include "runtime/gl/check.h"
 
@@ -39,6 +42,25 @@ Choices choose(const GpuGrid& grid, const LookupParams& params) {
     throw ParameterError("reconstruction", "paper reads the basis vectors only");
   return {int(grid.basis), int(grid.form), params.guard == Guard::planes && grid.guarded ? 1 : 0,
           int(params.interpolation), int(params.reconstruction)};
+}
+
+// The record as shaders read it, in no more memory: its planes' order is free, and tells whether the vertex is lit.
+// Words fall or stay equal from first to last where it is, else the last is larger than the first. Where all are equal,
+// one is replaced by a word that says no less.
+GuardRecord ordered(const GuardRecord& record, bool lit) {
+  GuardRecord out = record;
+  std::array<std::uint32_t, 4>& words = out.words;
+  if (lit) {
+    std::sort(words.begin(), words.end(), std::greater<>());
+    return out;
+  }
+  std::sort(words.begin(), words.end());
+  if (words.front() != words.back()) return out;
+  if (words.back() < no_guard_plane)
+    words = {0, 0, 0, 1};
+  else
+    words.front() = 0;
+  return out;
 }
 
 }  // namespace
@@ -110,11 +132,10 @@ GpuGrid upload(const IrradianceGrid& grid, const GridUploadParams& params, const
   out.volumes = gl::make_texture_3d(what, gl::Format::rgb16f, extent, texels.data(), gl::Filter::linear);
   out.trust = gl::make_texture_3d(what, gl::Format::r16f, size, trust.data(), gl::Filter::linear);
   // A sampler needs a complete texture even where nothing reads it.
-  const GuardRecord sees_everything;
-  out.guard = out.guarded
-                  ? gl::make_texture_3d(what, gl::Format::rgba32ui, size, grid.guard.data(), gl::Filter::nearest)
-                  : gl::make_texture_3d(what, gl::Format::rgba32ui, {1, 1, 1}, sees_everything.words.data(),
-                                        gl::Filter::nearest);
+  std::vector<GuardRecord> guard(out.guarded ? vertices : 1);
+  for (std::size_t v = 0; v < grid.guard.size(); ++v) guard[v] = ordered(grid.guard[v], is_lit(grid, v));
+  out.guard = gl::make_texture_3d(what, gl::Format::rgba32ui, out.guarded ? size : V3i(1, 1, 1), guard.data(),
+                                  gl::Filter::nearest);
   return out;
 }
 

@@ -14,7 +14,8 @@
 //                         directions differ by (2e-3 in a grey room, 0.04 in one with coloured walls, 0.16 in a
 //                         garden), and does not filter linearly.
 // Beside them 16 bytes a vertex of guard (RGBA32UI; one texel in all where the grid has none) and 2 of trust (R16F,
-// exact for the bakers' visible fractions, multiples of 1/64).
+// exact for the bakers' visible fractions, multiples of 1/64). The order of a guard record's words tells whether any
+// light came to the vertex: the first is not less than the last where it did.
 #pragma once
 
 #include <cstddef>

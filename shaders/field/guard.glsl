@@ -1,7 +1,8 @@
 // The compact leak guard of a grid's vertex: up to four planes in four words. Twin of grid/field/guard.cpp.
 
 // One plane from its word (10 + 10 bits octahedral normal, 12 bits distance): unit normal in xyz, distance in voxels in
-// w. A word of zero is no plane; what it unpacks to has no meaning.
+// w. A word whose distance is zero is no plane; what it unpacks to has no meaning.
+const uint ivory_no_guard_plane = 0x100000u;
 vec4 ivory_guard_unpack(uint word) {
   vec3 n;
   n.xy = vec2(uvec2(word, word >> 10u) & 1023u) * (2.0 / 1023.0) - 1.0;
@@ -15,7 +16,7 @@ vec4 ivory_guard_unpack(uint word) {
 
 float ivory_hidden_by_plane(uint word, vec3 u) {
   vec4 plane = ivory_guard_unpack(word);
-  return word == 0u ? -3.402823e38 : dot(plane.xyz, u) - plane.w;
+  return word < ivory_no_guard_plane ? -3.402823e38 : dot(plane.xyz, u) - plane.w;
 }
 
 // How far, in voxels, the point at offset u (voxels, along the grid's axes) from the vertex lies beyond the plane that
@@ -23,4 +24,16 @@ float ivory_hidden_by_plane(uint word, vec3 u) {
 float ivory_hidden_by(uvec4 record, vec3 u) {
   return max(max(ivory_hidden_by_plane(record.x, u), ivory_hidden_by_plane(record.y, u)),
              max(ivory_hidden_by_plane(record.z, u), ivory_hidden_by_plane(record.w, u)));
+}
+
+// Did any light come to the vertex? The order of the words says so: runtime/assets/irradiance_grid.cpp.
+bool ivory_guard_lit(uvec4 record) { return record.x >= record.w; }
+
+// The record's planes as columns: vec4(u, -1) times it says how far u lies beyond each, very negative for none.
+vec4 ivory_guard_plane(uint word) {
+  return word < ivory_no_guard_plane ? vec4(0.0, 0.0, 0.0, 3.402823e38) : ivory_guard_unpack(word);
+}
+mat4 ivory_unpacked_guard(uvec4 record) {
+  return mat4(ivory_guard_plane(record.x), ivory_guard_plane(record.y), ivory_guard_plane(record.z),
+              ivory_guard_plane(record.w));
 }

@@ -6,7 +6,7 @@
 //   sampler3D volumes        RGB16F, linear: one volume a function of the basis, side by side, each vertex's values
 //                            times its trust, divided by g.scale
 //   sampler3D trust          R16F, linear: min(1, visible fraction / 0.25) a vertex, 0 where nothing is stored
-//   usampler3D guard         RGBA32UI, nearest: the vertex's guard record
+//   usampler3D guard         RGBA32UI, nearest: the vertex's guard record, whose order tells whether it is lit
 //   vec3 p, ng, n            world position in metres, unit geometric normal on the lit side (0 for a point that lies
 //                            before no surface), unit shading normal
 // Answers are lux. p may lie anywhere; outside the grid its nearest vertices answer. With guard, what no vertex sees is
@@ -160,37 +160,146 @@ void ivory_grid_unguarded(IvoryGrid g, sampler3D volumes, sampler3D trust, vec3 
   for (int f = 0; f < 12; ++f) m[f] *= factor;
 }
 
+// Sets of up to 64 entries.
+uvec2 ivory_entry_bit(int e) { return uvec2(e < 32 ? 1u << uint(e) : 0u, e < 32 ? 0u : 1u << uint(e - 32)); }
+
 // What the guard leaves of a footprint.
 struct IvorySeen {
-  uvec2 entries;  // bit e: entry e sees the point
+  uvec2 entries;  // that see the point
   float kept;     // their trusted weight
   bool all;       // no entry that stores something is hidden
 };
+bool ivory_sees(IvorySeen seen, int e) {
+  return (((e < 32 ? seen.entries.x : seen.entries.y) >> uint(e & 31)) & 1u) != 0u;
+}
+
+// What the planes let through, before any gives way (grid/field/yield.h).
+struct IvoryPassed {
+  uvec2 entries;
+  uvec2 lit;        // those of them whose vertices are lit
+  uvec2 in_front;   // all entries whose vertices stand before the surface,
+  uvec2 stored;     // and all that store something
+  float kept;       // trusted weights of `entries` and `lit`
+  float kept_lit;
+  bool yield;       // a lit entry is in front: the unlit give way
+  int witness;      // the heaviest entry in front, and the heaviest that is lit as well; -1: none
+  int lit_witness;
+};
+
 // Planes are fitted within a voxel of their vertex: a wide footprint's vertices do not count behind the surface, which
 // has the unit normal ng and lies g.nudge_m behind the point. A hundredth of a voxel keeps those in its very plane.
-IvorySeen ivory_visible_by_guard(IvoryGrid g, sampler3D trust, usampler3D guard, vec3 index, vec3 ng,
-                                 IvoryFootprint footprint, int count) {
-  IvorySeen seen = IvorySeen(uvec2(0u), 0.0, true);
+IvoryPassed ivory_passed_by_guard(IvoryGrid g, sampler3D trust, usampler3D guard, vec3 index, vec3 ng,
+                                  IvoryFootprint footprint, int count) {
+  IvoryPassed passed = IvoryPassed(uvec2(0u), uvec2(0u), uvec2(0u), uvec2(0u), 0.0, 0.0, false, -1, -1);
   vec3 facing = ng * g.local_to_world * g.spacing_m;
   float behind_m = g.nudge_m + 0.01 * min(g.spacing_m.x, min(g.spacing_m.y, g.spacing_m.z));
+  bool at_surface = ng != vec3(0.0);
+  vec2 most = vec2(ivory_grid_least_weight);
   for (int e = 0; e < count; ++e) {
     ivec3 vertex;
     float weight;
     ivory_footprint_entry(g, footprint, e, vertex, weight);
     weight *= texelFetch(trust, vertex, 0).r;
     vec3 u = index - vec3(vertex);
-    bool behind = footprint.wide && dot(facing, u) > behind_m;
-    if (!behind && ivory_hidden_by(texelFetch(guard, vertex, 0), u) <= 0.0) {
-      seen.entries |= uvec2(e < 32 ? 1u << uint(e) : 0u, e < 32 ? 0u : 1u << uint(e - 32));
-      seen.kept += weight;
-    } else if (weight > 0.0) {
-      seen.all = false;
-    }
+    bool behind = dot(facing, u) > behind_m;
+    bool in_front = at_surface && !behind;
+    uvec4 record = texelFetch(guard, vertex, 0);
+    bool visible = weight > 0.0 && !(footprint.wide && behind) && ivory_hidden_by(record, u) <= 0.0;
+    bool lit = visible && ivory_guard_lit(record);
+    uvec2 bit = ivory_entry_bit(e);
+    passed.entries |= visible ? bit : uvec2(0u);
+    passed.lit |= lit ? bit : uvec2(0u);
+    passed.in_front |= in_front ? bit : uvec2(0u);
+    passed.stored |= weight > 0.0 ? bit : uvec2(0u);
+    passed.kept += visible ? weight : 0.0;
+    passed.kept_lit += lit ? weight : 0.0;
+    passed.yield = passed.yield || (lit && in_front && weight >= ivory_grid_least_weight);
+    bool heaviest = visible && in_front && weight > most.x;
+    bool heaviest_lit = lit && in_front && weight > most.y;
+    passed.witness = heaviest ? e : passed.witness;
+    passed.lit_witness = heaviest_lit ? e : passed.lit_witness;
+    most = vec2(heaviest ? weight : most.x, heaviest_lit ? weight : most.y);
   }
+  return passed;
+}
+
+// Entries of the footprint that the witness, an entry of `near`, does not see by its planes.
+uvec2 ivory_hidden_from(IvoryGrid g, usampler3D guard, IvoryFootprint near, int witness, IvoryFootprint footprint,
+                        int count) {
+  ivec3 from, vertex;
+  float weight;
+  ivory_footprint_entry(g, near, max(witness, 0), from, weight);
+  mat4 planes = ivory_unpacked_guard(texelFetch(guard, from, 0));
+  uvec2 hidden = uvec2(0u);
+  for (int e = 0; e < count; ++e) {
+    ivory_footprint_entry(g, footprint, e, vertex, weight);
+    vec4 beyond = vec4(vec3(vertex - from), -1.0) * planes;
+    bool hides = max(max(beyond.x, beyond.y), max(beyond.z, beyond.w)) > 0.0;
+    hidden |= hides ? ivory_entry_bit(e) : uvec2(0u);
+  }
+  return hidden;
+}
+
+// The sums of what is left of `passed` once `hidden` are gone.
+IvoryPassed ivory_without(IvoryGrid g, sampler3D trust, IvoryFootprint footprint, IvoryPassed passed, uvec2 hidden,
+                          int count) {
+  IvoryPassed left = passed;
+  left.entries &= ~hidden;
+  left.lit &= ~hidden;
+  left.kept = 0.0;
+  left.kept_lit = 0.0;
+  left.yield = false;
+  for (int e = 0; e < count; ++e) {
+    ivec3 vertex;
+    float weight;
+    ivory_footprint_entry(g, footprint, e, vertex, weight);
+    weight *= texelFetch(trust, vertex, 0).r;
+    uvec2 bit = ivory_entry_bit(e);
+    bool lit = (left.lit & bit) != uvec2(0u);
+    left.kept += (left.entries & bit) != uvec2(0u) ? weight : 0.0;
+    left.kept_lit += lit ? weight : 0.0;
+    left.yield = left.yield || (lit && (left.in_front & bit) != uvec2(0u) && weight >= ivory_grid_least_weight);
+  }
+  return left;
+}
+IvorySeen ivory_seen(IvoryPassed passed) {
+  uvec2 entries = passed.yield ? passed.lit : passed.entries;
+  return IvorySeen(entries, passed.yield ? passed.kept_lit : passed.kept, (entries & passed.stored) == passed.stored);
+}
+
+// As yield_near(). Most points have no vertex that is in doubt, and take no round of the loops.
+IvorySeen ivory_yield_near(IvoryGrid g, sampler3D trust, usampler3D guard, IvoryFootprint footprint,
+                           IvoryPassed passed) {
+  IvorySeen seen = ivory_seen(passed);
+  int witness = passed.yield ? passed.lit_witness : passed.witness;
+  uvec2 doubtful = seen.entries & ~passed.in_front;
+  bool ask = witness >= 0 && doubtful != uvec2(0u);
+  uvec2 hidden = doubtful & ivory_hidden_from(g, guard, footprint, witness, footprint, ask ? 8 : 0);
+  bool yields = hidden != uvec2(0u);
+  IvoryPassed left = ivory_without(g, trust, footprint, passed, hidden, yields ? 8 : 0);
+  left.yield = passed.yield;  // what gives way to the witness is not in front
+  if (yields) return ivory_seen(left);
   return seen;
 }
-bool ivory_sees(IvorySeen seen, int e) {
-  return (((e < 32 ? seen.entries.x : seen.entries.y) >> uint(e & 31)) & 1u) != 0u;
+
+// As yield_wide(). Entries of near_seen are the witnesses, where it has any; `count` is 0 where the footprint is not
+// asked.
+IvorySeen ivory_yield_wide(IvoryGrid g, sampler3D trust, usampler3D guard, IvoryFootprint footprint, int count,
+                           IvoryPassed passed, IvoryFootprint near, IvorySeen near_seen) {
+  uvec2 hidden = uvec2(0u);
+  bool witnessed = near_seen.kept >= ivory_grid_least_weight;
+  int rounds = witnessed && count > 0 ? 8 : 0;
+  for (int k = 0; k < rounds; ++k) {
+    ivec3 vertex;
+    float weight;
+    ivory_footprint_entry(g, near, k, vertex, weight);
+    weight *= texelFetch(trust, vertex, 0).r;
+    bool heard = ivory_sees(near_seen, k) && weight >= ivory_grid_least_weight * near_seen.kept;
+    hidden |= ivory_hidden_from(g, guard, near, k, footprint, heard ? count : 0);
+  }
+  bool alone = !witnessed && passed.witness >= 0;
+  hidden |= ivory_hidden_from(g, guard, footprint, passed.witness, footprint, alone ? count : 0);
+  return ivory_seen(ivory_without(g, trust, footprint, passed, hidden, count));
 }
 
 // As guarded_footprint(): the values of the vertices that see the point. Most points are seen by all of theirs, whose
@@ -205,7 +314,12 @@ void ivory_grid_guarded(IvoryGrid g, sampler3D volumes, sampler3D trust, usample
   int count = ivory_grid_volume_count(g);
   IvoryFootprint near = ivory_make_footprint(g, index, IVORY_GRID_INTERPOLATION);
   int near_count = ivory_footprint_count(near);
-  IvorySeen near_seen = ivory_visible_by_guard(g, trust, guard, index, ng, near, near_count);
+  IvoryPassed near_passed = ivory_passed_by_guard(g, trust, guard, index, ng, near, near_count);
+  IvorySeen near_seen = IvorySeen(uvec2(0u), 0.0, true);
+  if (IVORY_GRID_INTERPOLATION == ivory_trilinear)
+    near_seen = ivory_yield_near(g, trust, guard, near, near_passed);
+  else
+    near_seen = ivory_yield_wide(g, trust, guard, near, 64, near_passed, near, near_seen);
   bool enough = near_seen.kept >= ivory_grid_enough_weight;
   bool filtered = near_seen.all && enough;
   // Divided by the trust that the same filter finds: hardware rounds its weights, to the same for both.
@@ -222,7 +336,9 @@ void ivory_grid_guarded(IvoryGrid g, sampler3D volumes, sampler3D trust, usample
   float wide_factor = 0.0;
   if (IVORY_GRID_INTERPOLATION == ivory_trilinear) {
     wide = ivory_make_footprint(g, index, ivory_tricubic);
-    wide_seen = ivory_visible_by_guard(g, trust, guard, index, ng, wide, enough ? 0 : 64);
+    int wide_count = enough ? 0 : 64;
+    IvoryPassed wide_passed = ivory_passed_by_guard(g, trust, guard, index, ng, wide, wide_count);
+    wide_seen = ivory_yield_wide(g, trust, guard, wide, wide_count, wide_passed, near, near_seen);
     if (!enough && wide_seen.kept >= ivory_grid_least_weight) {
       float share = empty ? 0.0 : near_seen.kept / ivory_grid_enough_weight;
       near_factor *= share;

@@ -26,10 +26,12 @@ double volume(const V3i& v) { return double(v.x) * v.y * v.z; }
 
 TEST(Boxes, LieInsideAndApart) {
   std::mt19937 random(1);
-  for (int round = 0; round < 200; ++round) {
+  constexpr int rounds = 200;
+  double filled_share = 0;
+  for (int round = 0; round < rounds; ++round) {
     std::vector<V3i> boxes;
     for (unsigned i = 0; i < 1 + random() % 40; ++i)
-      boxes.emplace_back(int(1 + random() % 90), int(1 + random() % 60), int(1 + random() % 40));
+      boxes.push_back(V3i{int(1 + random() % 90), int(1 + random() % 60), int(1 + random() % 40)});
     const auto packed = pack_boxes(boxes, 2048);
     ASSERT_TRUE(packed);
     double filled = 0;
@@ -39,9 +41,10 @@ TEST(Boxes, LieInsideAndApart) {
       for (std::size_t j = 0; j < i; ++j)
         ASSERT_FALSE(overlap(packed->corners[i], boxes[i], packed->corners[j], boxes[j]));
     }
-    // No bound is known; boxes of such different shapes fill 0.17 and more, one beside the other a tenth.
-    EXPECT_GT(filled, 0.15 * volume(packed->size)) << boxes.size();
+    filled_share += filled / volume(packed->size) / rounds;
   }
+  // No bound is known; boxes of such different shapes fill 0.55 on average, one beside the other a tenth.
+  EXPECT_GT(filled_share, 0.5);
 }
 
 TEST(Boxes, EqualOnesLeaveNoGap) {

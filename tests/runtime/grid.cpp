@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/grid_twin.h"
+#include "tests/support/inner_edge.h"
 
 namespace ivory {
 
@@ -134,7 +135,7 @@ TEST_P(RuntimeGrid, ReadsAsTheCpuDoes) {
       const GpuGrid gpu = upload(grid, {kind.form});
       const LookupParams params{guard, interpolation, kind.reconstruction, 0.25F};
       const std::string defines = grid_defines(gpu, params);
-      expect_equal(grid, gpu, params, random_inputs(grid.frame, seed), defines, uneven ? 0.9 : 0.25, defines);
+      expect_equal(grid, gpu, params, random_inputs(grid.frame, seed), defines, uneven ? 0.9 : 0.3, defines);
     }
   }
 }
@@ -148,6 +149,25 @@ TEST_P(RuntimeGrid, UniformsChooseAsDefinesDo) {
     const LookupParams params{guard, interpolation, kind.reconstruction, 0};
     expect_equal(grid, gpu, params, random_inputs(grid.frame, 78), "", 0.25,
                  grid_defines(gpu, params) + " as uniforms");
+  }
+}
+
+// Even light in a room, beside whose edge four planes do not tell the vertices outside of it.
+TEST_F(GlTest, GridHasNoSeamAlongInnerEdges) {
+  for (const float outside_lux : {0.0F, 5.0F}) {
+    const IrradianceGrid grid = inner_edge(outside_lux);
+    const GpuGrid gpu = upload(grid);
+    const LookupParams params;
+    std::vector<V4f> p;
+    std::vector<V4f> ng;
+    for (const SurfacePoint& at : inner_edge_points()) {
+      p.push_back(to_v4(at.p));
+      ng.push_back(to_v4(at.n));
+    }
+    const std::vector<V4f> result = evaluate_on_gpu(source(grid_defines(gpu, params)), {p, ng, ng},
+                                                    [&](gl::Program& program) { bind(gpu, program, 0, params); });
+    for (std::size_t i = 0; i < p.size(); ++i)
+      EXPECT_NEAR(result[i].x, 1, 1e-3) << xyz(p[i]) << " " << xyz(ng[i]) << " " << outside_lux;  // half's rounding
   }
 }
 

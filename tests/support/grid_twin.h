@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include "grid/base/half.h"
@@ -15,8 +16,8 @@
 namespace ivory {
 
 // A grid of made-up light: at each vertex a few directions, of 1e-3 to 1e5 lux where `uneven`, else of 3000 to 30,000.
-// A tenth of the vertices store nothing, a fifth see little of their cells, and most have planes that cut off a part of
-// what lies within a voxel.
+// A tenth of the vertices store nothing, a fifth see little of their cells, a sixth are unlit, and most have planes
+// that cut off a part of what lies within a voxel.
 inline IrradianceGrid random_grid(const V3i& size, Basis basis, bool rotated, bool uneven, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> uniform(0, 1);
@@ -39,7 +40,10 @@ inline IrradianceGrid random_grid(const V3i& size, Basis basis, bool rotated, bo
   for (std::size_t v = 0; v < vertices; ++v) {
     if (uniform(random) < 0.1F) continue;
     grid.visible_fraction[v] = uniform(random) < 0.2F ? std::ceil(16 * uniform(random)) / 64 : 1;
-    const float lux = uneven ? std::pow(10.0F, 8 * uniform(random) - 3) : 3000 * std::pow(10.0F, uniform(random));
+    const bool lit = uniform(random) < 5.0F / 6;
+    const float lux = !lit     ? 0
+                      : uneven ? std::pow(10.0F, 8 * uniform(random) - 3)
+                               : 3000 * std::pow(10.0F, uniform(random));
     for (int light = 0; light < 4; ++light) {
       const auto f = eval(basis, random_direction(random));
       const Rgb colour(lux * uniform(random), lux * uniform(random), lux * uniform(random));
@@ -132,30 +136,46 @@ inline LookupMargin margin(const IrradianceGrid& grid, Guard guard, const V3f& n
   const V3f& spacing = grid.frame.spacing_m;
   const V3f facing = grid.frame.direction_to_local(ng) * spacing;
   const float behind_m = off_m + in_plane_voxels * std::min({spacing.x, spacing.y, spacing.z});
-  const auto judge = [&](Interpolation in) {
+  // Already off its surface, which the look-up would do from there.
+  const LookupPoint at{
+      .p = nudged - ng * off_m, .ng = ng, .nudge_voxels = off_m / std::min({spacing.x, spacing.y, spacing.z})};
+  // The footprint as the guard leaves it. `sign` moves weights up and down by far more than rounding does.
+  const auto read = [&](Interpolation in, const Footprint* near, float sign) {
     Footprint f = make_footprint(grid.frame, nudged, in);
-    float kept = 0;
+    for (std::size_t i = 0; i < std::size_t(f.count); ++i)
+      f.weight[i] *= 1 + sign * 1e-4F * float(i * 37 % std::size_t(f.count)) / float(f.count);
+    const VisibleEntries seen = guard == Guard::planes ? visible_by_guard(grid, at, f, near) : VisibleEntries().set();
+    const float kept = restrict_footprint(grid, seen, f);
+    return std::pair(f, kept);
+  };
+  const auto judge = [&](Interpolation in, const Footprint* near) {
+    const Footprint f = make_footprint(grid.frame, nudged, in);
     for (std::size_t i = 0; i < std::size_t(f.count); ++i) {
       const std::uint32_t vertex = f.vertex[i];
-      const V3f at(grid.frame.vertex_coordinates(vertex));
-      const V3f u = index - at;
+      const V3f u = index - V3f(grid.frame.vertex_coordinates(vertex));
       const float hidden = guard == Guard::planes ? hidden_by(grid.guard[vertex], u) : -1;
       const float weight = f.weight[i] * vertex_trust(grid.visible_fraction[vertex]);
       if (weight > 0 && std::abs(hidden) < closest_voxels) out.undecided = true;
-      // Of the tricubic footprint only vertices before the surface count.
-      const float behind = f.count > 8 && guard == Guard::planes ? facing.dot(u) - behind_m : -1;
+      const float behind = guard == Guard::planes ? facing.dot(u) - behind_m : -1;
       const float farthest = std::max({std::abs(u.x), std::abs(u.y), std::abs(u.z)});
       if (weight > 0 && hidden <= 0 && std::abs(behind) < closest_voxels * (1 + 1e-3F * farthest)) out.undecided = true;
-      if (hidden <= 0 && behind <= 0) kept += weight;
     }
+    const auto [kept_footprint, kept] = read(in, near, 0);
     // The least weight that counts is 1e-4.
     if (kept > 0 && kept < 2e-4F) out.undecided = true;
-    return kept;
+    for (const float sign : {-1.0F, 1.0F}) {
+      const Footprint moved = read(in, near, sign).first;
+      float change = 0;
+      for (std::size_t i = 0; i < std::size_t(f.count); ++i)
+        change += std::abs(moved.weight[i] - kept_footprint.weight[i]);
+      if (change > 1e-3F) out.undecided = true;  // another witness was called
+    }
+    return std::pair(kept_footprint, kept);
   };
-  const float near = judge(interpolation);
-  out.kept = near;
-  if (guard == Guard::planes && near < 0.26F && interpolation == Interpolation::trilinear)
-    out.kept = std::max(near, judge(Interpolation::tricubic));
+  const auto near = judge(interpolation, nullptr);
+  out.kept = near.second;
+  if (guard == Guard::planes && near.second < 0.26F && interpolation == Interpolation::trilinear)
+    out.kept = std::max(near.second, judge(Interpolation::tricubic, near.second > 0 ? &near.first : nullptr).second);
   // Nothing is seen, and nothing divided.
   if (out.kept < 1e-4F) out.kept = 1;
   return out;

@@ -131,6 +131,37 @@ TEST(Probe, RefusesOptionsThatWouldDoNothing) {
   expect_refused(folder, "probe sh9.vdb" + tail + "--indirect-only", 1, "--direct");
 }
 
+// Of two rooms the one is dark, and so are the outsides of the walls.
+TEST(Points, LieOnLitSurfacesWithinTheirBox) {
+  const auto folder = scratch_folder("points");
+  const std::string command = "points " + scene + " --count 200 --indirect-only --json --bounds=-2,-0.1,-1:1,2,1 ";
+  ASSERT_EQ(ivory(folder, command + "-o p.csv --domain surfaces").exit_code, 0);
+  ASSERT_EQ(ivory(folder, command + "-o again.csv --domain surfaces --threads 1").exit_code, 0);
+  ASSERT_EQ(ivory(folder, command + "-o other.csv --domain surfaces --seed 2").exit_code, 0);
+  EXPECT_EQ(read_file(folder / "p.csv"), read_file(folder / "again.csv"));
+  EXPECT_NE(read_file(folder / "p.csv"), read_file(folder / "other.csv"));
+  const Table table = read_csv(folder / "p.csv");
+  ASSERT_EQ(table.rows.size(), 200);
+  // A hundredth of a voxel about the box is within it: surfaces in its faces are the rule.
+  constexpr double margin = 0.002;
+  for (const std::vector<std::string>& row : table.rows) {
+    const double x = std::stod(row[0]);
+    const double y = std::stod(row[1]);
+    EXPECT_TRUE(x > -2 - margin && x < 1 + margin && y > -0.1 - margin && y < 2 + margin) << x << " " << y;
+  }
+  // Light comes to all of them.
+  ASSERT_EQ(ivory(folder, "probe " + scene + " --points p.csv -o e.csv --indirect-only --samples 256").exit_code, 0);
+  for (const std::vector<std::string>& row : read_csv(folder / "e.csv").rows) EXPECT_GT(std::stod(row[6]), 0);
+}
+
+TEST(Points, SayWhereNoLightComes) {
+  const auto folder = scratch_folder("points_dark");
+  const Outcome outcome =
+      ivory(folder, "points " + scene + " -o p.csv --count 20 --domain space --bounds=900,0,0:901,1,1");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_FALSE(fs::exists(folder / "p.csv"));
+}
+
 }  // namespace
 
 }  // namespace ivory::script

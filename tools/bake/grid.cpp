@@ -9,10 +9,12 @@
 #include "grid/io/vdb/vdb.h"
 #include "tools/bake/grid_contract.h"
 #include "tools/bake/grid_result.h"
+#include "tools/cli/box.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/scene.h"
 #include "tracer/bake/field/baker.h"
+#include "tracer/bake/field/deposit_target.h"
 
 namespace ivory {
 
@@ -30,16 +32,6 @@ struct BakeGridOptions {
   GridContractOptions contract;
 };
 
-// In the world.
-Imath::Box3d parse_box(const std::string& option, const std::string& text, const std::string& expected) {
-  const std::size_t colon = text.find(':');
-  if (colon == std::string::npos) throw UsageError(fmt::format("{} takes {}, not '{}'", option, expected, text));
-  Imath::Box3d box;
-  box.extendBy(parse_vector3(option, text.substr(0, colon)));
-  box.extendBy(parse_vector3(option, text.substr(colon + 1)));
-  return box;
-}
-
 Box3f local_box(const Imath::Box3d& box, const V3d& anchor_m) {
   return {to_local(box.min, anchor_m), to_local(box.max, anchor_m)};
 }
@@ -50,15 +42,6 @@ std::vector<Imath::Box3d> parse_regions(const std::vector<std::string>& texts) {
   for (const std::string& text : texts)
     regions.push_back(parse_box("--dynamic", text, "none or a box X0,Y0,Z0:X1,Y1,Z1"));
   return regions;
-}
-
-Imath::Box3d parse_bounds(const std::string& text) {
-  const Imath::Box3d box = parse_box("--bounds", text, "a box X0,Y0,Z0:X1,Y1,Z1");
-  const V3d size = box.size();
-  constexpr double longest_m = 1e9;
-  if (!(size.x > 0) || !(size.y > 0) || !(size.z > 0) || !(size.length() < longest_m))
-    throw UsageError("--bounds: '" + text + "' must have some extent along each axis, and less than a million km");
-  return box;
 }
 
 // The input's first.
@@ -121,18 +104,20 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
     if (!options.dynamic.empty()) params.dynamic_regions.emplace();
     for (const Imath::Box3d& region : regions) params.dynamic_regions->push_back(local_box(region, scene.anchor_m));
     // Before what takes time is built of the scene.
-    params.frame = default_frame(scene, params);
-    if (contract && !params.resolution && !params.voxel_size_m) {
-      check_voxels(options.output, *params.frame);  // what is about to be chosen is not much else
-      params.frame.reset();
-      return;
-    }
-    check_grid_memory(scene, *params.frame, params);
-    check_voxels(options.output, *params.frame);
+    const Lattice placed = default_lattice(scene, params);
+    check_estimator(placed, params.estimator);
+    check_voxels(options.output, placed.finest_frame());
+    // What a contract chooses has about that spacing, and memory bounds it.
+    if (contract && !params.resolution && !params.voxel_size_m) return;
+    check_grid_memory(scene, placed, params);
+    if (contract)
+      params.frame = placed.frame;
+    else
+      params.lattice = placed;
   });
   if (contract) return run_contract(options, params, input, common);
-  const GridFrame frame = *params.frame;
-  if (const int threads = affordable_threads(input.lit, frame, params); threads < params.threads) {
+  const Lattice& lattice = *params.lattice;
+  if (const int threads = affordable_threads(input.lit, lattice, params); threads < params.threads) {
     print_note(common, fmt::format("note: {} threads instead of {}: each needs memory for the whole grid", threads,
                                    params.threads));
     params.threads = threads;
@@ -140,9 +125,13 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   const auto start = std::chrono::steady_clock::now();
   GridAccumulator sums = [&] {
     Progress progress(common, "baking", "photons");
-    progress.note(fmt::format("{}x{}x{} vertices, {:.4g} x {:.4g} x {:.4g} m apart; finding what each sees",
-                              frame.size.x, frame.size.y, frame.size.z, frame.spacing_m.x, frame.spacing_m.y,
-                              frame.spacing_m.z));
+    const GridFrame& frame = lattice.finest_frame();
+    const std::string vertices =
+        lattice.levels() == 1 ? fmt::format("{}x{}x{} vertices,", frame.size.x, frame.size.y, frame.size.z)
+                              : fmt::format("{} vertices on {} levels,", lattice.vertex_count(), lattice.levels());
+    progress.note(fmt::format("{} {:.4g} x {:.4g} x {:.4g} m apart{}; finding what each sees", vertices,
+                              frame.spacing_m.x, frame.spacing_m.y, frame.spacing_m.z,
+                              lattice.levels() == 1 ? "" : " on the finest"));
     params.progress = progress.callback();
     return bake_grid_sums(input.lit, params);
   }();
@@ -170,7 +159,7 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
   command.add_option("-o,--output", options->output, "Grid to write, .vdb").required().type_name("OUT.vdb");
   command
       .add_option(
-          "--bounds", [options](const std::string& text) { options->bounds = parse_bounds(text); },
+          "--bounds", [options](const std::string& text) { options->bounds = parse_bounds("--bounds", text); },
           "What the grid covers, in metres: the rest of the scene sends light and shadows into it but\n"
           "stores none, and points outside read the nearest vertices [the whole scene]")
       .type_name("X0,Y0,Z0:X1,Y1,Z1");

@@ -23,7 +23,7 @@ from plot import Figures  # noqa: E402
 from process import Failure, Stop  # noqa: E402
 from runner import Runner  # noqa: E402
 
-CURVES = ("grid", "bases", "sh9", "fiv", "cubemap", "lobes", "rates", "stability")
+CURVES = ("grid", "economy", "bases", "sh9", "fiv", "cubemap", "lobes", "rates", "stability")
 WHOLE = ("quick", "full")
 
 

@@ -16,6 +16,7 @@ void add_bake_fiv_command(Command bake, CommonOptions& common);
 void add_merge_command(Command app, CommonOptions& common);
 void add_render_command(Command app, CommonOptions& common);
 void add_probe_command(Command app, CommonOptions& common);
+void add_points_command(Command app, CommonOptions& common);
 void add_compare_command(Command app, CommonOptions& common);
 void add_view_command(Command app, CommonOptions& common);
 void add_info_command(Command app, CommonOptions& common);

@@ -113,7 +113,7 @@ std::vector<StabilityPoint> grid_planes(const StabilityParams&) {
         double sum = 0;
         std::array<double, count * count * side> layers{};  // of each photon, the cells beside its line
         for (int vertex = 0; vertex < side * side * side; ++vertex) {
-          const V3i at = target.frame.vertex_coordinates(std::size_t(vertex));
+          const V3i at = target.lattice.frame.vertex_coordinates(std::size_t(vertex));
           double here = 0;
           for (std::size_t slot = 0; slot < 8; ++slot)
             here += double(target.sums[target.lane_index(slot, std::size_t(vertex)) + 3 * axis]) * target.quantum;

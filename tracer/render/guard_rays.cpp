@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <limits>
 
 #include "grid/field/lookup.h"
 #include "tracer/core/surface.h"
@@ -10,9 +11,11 @@
 namespace ivory {
 namespace {
 
-VisibleEntries visible_by_rays(const IrradianceGrid& grid, const Intersector& intersector, const V3f& p,
+VisibleEntries visible_by_rays(const IrradianceGrid& grid, const Intersector& intersector, const LookupPoint& at,
                                const Footprint& footprint) {
   VisibleEntries visible;
+  int level = -1;
+  V3f p{0, 0, 0};
   std::array<V3f, 8> targets;
   std::array<std::size_t, 8> entries{};
   int filled = 0;
@@ -26,7 +29,14 @@ VisibleEntries visible_by_rays(const IrradianceGrid& grid, const Intersector& in
   for (std::size_t i = 0; i < std::size_t(footprint.count); ++i) {
     const std::uint32_t vertex = footprint.vertex[i];
     if (footprint.weight[i] == 0 || grid.visible_fraction[vertex] <= 0) continue;
-    targets[std::size_t(filled)] = grid.frame.to_world(V3f(grid.frame.vertex_coordinates(vertex)));
+    const VertexPlace place = grid.place_of(vertex);
+    const GridFrame& frame = grid.frame_of(place.level);
+    if (place.level != level) {
+      if (filled > 0) query();
+      level = place.level;
+      p = at.nudged(frame);
+    }
+    targets[std::size_t(filled)] = frame.to_world(V3f(place.at));
     entries[std::size_t(filled++)] = i;
     if (filled == 8) query();
   }
@@ -40,19 +50,21 @@ Footprint lookup_footprint(const IrradianceGrid& grid, const Intersector* inters
                            const LookupParams& params) {
   if (params.guard != Guard::rays) return lookup_footprint(grid, p, ng, params);
   assert(intersector != nullptr);
-  float distance_m = nudge_m(grid.frame, params);
+  const float most_m = nudge_m(grid.frame, params);  // of the coarsest level
   V3f origin = offset_origin(p, ng, ng);
   auto ahead = intersector->closest(
-      {.origin = origin, .direction = ng, .t_max = 2 * distance_m, .blocking_coverage = half_coverage});
+      {.origin = origin, .direction = ng, .t_max = 2 * most_m, .blocking_coverage = half_coverage});
   if (ahead && is_own_surface(intersector->scene(), *ahead, ahead->t, ng)) {
     origin = offset_origin(p, ng, ng, triangle_reach_m(intersector->scene(), ahead->instance, ahead->triangle));
     ahead = intersector->closest(
-        {.origin = origin, .direction = ng, .t_max = 2 * distance_m, .blocking_coverage = half_coverage});
+        {.origin = origin, .direction = ng, .t_max = 2 * most_m, .blocking_coverage = half_coverage});
   }
-  if (ahead) distance_m = std::min(distance_m, ahead->t / 2);
-  const V3f nudged = origin + ng * distance_m;
-  return guarded_footprint(grid, nudged, params.interpolation, [&](const Footprint& footprint) {
-    return visible_by_rays(grid, *intersector, nudged, footprint);
+  const LookupPoint at{.p = origin,
+                       .ng = ng,
+                       .nudge_voxels = params.nudge_voxels,
+                       .most_m = ahead ? ahead->t / 2 : std::numeric_limits<float>::infinity()};
+  return guarded_footprint(grid, at, params.interpolation, [&](const Footprint& footprint, const Footprint* /*near*/) {
+    return visible_by_rays(grid, *intersector, at, footprint);
   });
 }
 

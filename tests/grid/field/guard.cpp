@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "grid/field/lookup.h"
+#include "tests/support/inner_edge.h"
 
 namespace ivory {
 namespace {
@@ -99,7 +100,7 @@ TEST(Footprint, TheLastEntriesOfTheLargestFootprintAreSeenOnTheirOwn) {
   visible.set(70);
   EXPECT_GT(restrict_footprint(grid, visible, f), 0);
   for (std::size_t i = 0; i < 72; ++i) EXPECT_NEAR(f.weight[i], i == 70 ? 1 : 0, 1e-6F) << i;
-  EXPECT_TRUE(visible_by_guard(grid, p, V3f(0, 1, 0), 0, f).all());
+  EXPECT_TRUE(visible_by_guard(grid, {.p = p, .ng = V3f(0, 1, 0)}, f).all());
 }
 
 // A wall with its inner face at x = 3.1, its outer at 3.3, past the outermost vertices. Those know of it; the layers
@@ -119,6 +120,40 @@ TEST(Lookup, TheOutsideOfAWallThatNoVertexSeesIsDark) {
       EXPECT_EQ(lookup_irradiance(grid, V3f(3.3F, y, 1.4F), out, out, params), Rgb(0, 0, 0)) << y;
       EXPECT_NEAR(lookup_irradiance(grid, V3f(3.1F, y, 1.4F), -out, -out, params).x, 1, 1e-6F) << y;
     }
+  }
+}
+
+// Without the rules of yield.h the vertices behind the edge hold up to a half of the weight.
+TEST(Lookup, InnerEdgesHaveNoSeam) {
+  for (const float outside_lux : {0.0F, 5.0F}) {
+    const IrradianceGrid grid = inner_edge(outside_lux);
+    for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::tricubic}) {
+      for (const SurfacePoint& at : inner_edge_points()) {
+        EXPECT_NEAR(lookup_irradiance(grid, at.p, at.n, at.n, {.interpolation = interpolation}).x, 1, 1e-5F)
+            << at.p << at.n << " " << outside_lux << " " << name_of(interpolation);
+      }
+    }
+  }
+}
+
+// Behind a thin wall the lit vertices are the wrong ones: unlit ones give way to none behind the surface.
+TEST(Lookup, TheDarkSideOfAThinWallStaysDark) {
+  IrradianceGrid grid = inner_edge(0);
+  for (std::size_t v = 0; v < 64; ++v) {  // the wall at x = 0.3 alone; light beyond it, and planes that missed it
+    const bool lit = grid.frame.vertex_coordinates(v).x == 0;
+    std::fill_n(grid.moments.begin() + std::ptrdiff_t(18 * v), 18, lit ? 1.0F : 0.0F);
+    grid.guard[v] = {};
+  }
+  const V3f n(1, 0, 0);
+  for (const SurfacePoint& at : inner_edge_points()) {
+    if (at.n != n) continue;
+    // As much as the planes let through, by weight; and nothing where those in front know of the wall.
+    EXPECT_NEAR(lookup_irradiance(grid, at.p, n, n, {}).x, 0.45F, 1e-5F);
+  }
+  for (std::size_t v = 1; v < 64; v += 4) grid.guard[v].words[0] = pack({V3f(-1, 0, 0), 0.7F});
+  for (const SurfacePoint& at : inner_edge_points()) {
+    if (at.n != n) continue;
+    EXPECT_EQ(lookup_irradiance(grid, at.p, n, n, {}).x, 0);
   }
 }
 

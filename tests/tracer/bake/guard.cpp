@@ -169,7 +169,7 @@ TEST_P(FurnishedRoom, GuardsMakeTheGridAccurate) {
   const double off = nrmse(open, Guard::off);
   printf("NRMSE rays %.4f planes %.4f off %.4f\n", rays, planes, off);
   EXPECT_LE(rays, 0.032);
-  EXPECT_LE(planes, 0.055);
+  EXPECT_LE(planes, 0.032);
   EXPECT_LE(rays, off);
   EXPECT_LE(planes, off);
 }

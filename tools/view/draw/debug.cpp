@@ -49,8 +49,12 @@ vec3 ivory_output(IvorySurface s) {
   IvoryGrid g = ivory_grid;
   vec3 index = ivory_grid_to_index(g, s.p + s.ng * g.nudge_m);
   IvoryFootprint footprint = ivory_make_footprint(g, index, IVORY_GRID_INTERPOLATION);
-  return vec3(ivory_visible_by_guard(g, ivory_grid_trust, ivory_grid_guard, index, s.ng, footprint,
-                                     ivory_footprint_count(footprint)).kept);
+  IvoryPassed passed = ivory_passed_by_guard(g, ivory_grid_trust, ivory_grid_guard, index, s.ng, footprint,
+                                             ivory_footprint_count(footprint));
+  if (IVORY_GRID_INTERPOLATION == ivory_trilinear)
+    return vec3(ivory_yield_near(g, ivory_grid_trust, ivory_grid_guard, footprint, passed).kept);
+  return vec3(ivory_yield_wide(g, ivory_grid_trust, ivory_grid_guard, footprint, 64, passed, footprint,
+                               IvorySeen(uvec2(0u), 0.0, true)).kept);
 }
 )";
 

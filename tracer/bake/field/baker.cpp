@@ -18,6 +18,7 @@
 #include "tracer/bake/field/kept_vertices.h"
 #include "tracer/bake/field/lit_vertices.h"
 #include "tracer/bake/field/photon_deposit.h"
+#include "tracer/bake/field/scene_lattice.h"
 #include "tracer/bake/field/vertex_visibility.h"
 #include "tracer/render/photon_tracer.h"
 
@@ -45,8 +46,8 @@ std::string text_of(const std::vector<Box3f>& boxes, const V3d& anchor) {
   return text.empty() ? "none" : text;
 }
 
-Metadata describe(const Scene& scene, const GridBakeParams& params, std::uint64_t photons, const SumLayout& layout,
-                  const Lights::Emission& emission) {
+Metadata describe(const Scene& scene, const GridBakeParams& params, const Lattice& lattice, std::uint64_t photons,
+                  const SumLayout& layout, const Lights::Emission& emission) {
   Metadata m;
   m["method"] = std::string("irradiance grid");
   m["basis"] = std::string(name_of(params.basis));
@@ -61,6 +62,17 @@ Metadata describe(const Scene& scene, const GridBakeParams& params, std::uint64_
       params.dynamic_regions ? text_of(*params.dynamic_regions, scene.anchor_m) : std::string("everywhere");
   m["bounds"] = params.bounds ? text_of({*params.bounds}, scene.anchor_m) : std::string("scene");
   m["rotate_y_deg"] = double(params.rotate_y_deg);
+  if (lattice.levels() > 1) {
+    std::string spacings;
+    std::string counts;
+    for (int level = 0; level < lattice.levels(); ++level) {
+      spacings += fmt::format("{}{:.6g}", level == 0 ? "" : " ", lattice.frame_of(level).spacing_m.x);
+      counts += fmt::format("{}{}", level == 0 ? "" : " ", lattice.vertex_count_of(level));
+    }
+    m["levels"] = std::int64_t(lattice.levels());
+    m["level_spacings_m"] = spacings;  // along the grid's x
+    m["level_vertices"] = counts;
+  }
   m["units"] = std::string("lux");
   m["sum_slots"] = static_cast<std::int64_t>(layout.slots);
   if (const std::vector<double>& radii_m = emission.discs().radii_m; !radii_m.empty()) {
@@ -96,6 +108,19 @@ Box3f bounds_along(const Scene& scene, const M33f& axes) {
 
 }  // namespace
 
+namespace {
+
+// What levels of bricks can tile.
+V3i whole_bricks(V3i size, int levels) {
+  if (levels <= 1) return size;
+  if (levels > max_levels) throw ParameterError("levels", fmt::format("there may be 1 to {} of them", max_levels));
+  const int multiple = 1 << levels;
+  for (int axis = 0; axis < 3; ++axis) size[axis] = (size[axis] + multiple - 1) / multiple * multiple;
+  return size;
+}
+
+}  // namespace
+
 GridFrame default_frame(const Scene& scene, const GridBakeParams& params) {
   GridFrame frame;
   frame.local_to_world = axes_turned_about_y(params.rotate_y_deg);
@@ -114,6 +139,7 @@ GridFrame default_frame(const Scene& scene, const GridBakeParams& params) {
     frame.size = *params.resolution;
     if (frame.size.x < 2 || frame.size.y < 2 || frame.size.z < 2)
       throw ParameterError("resolution", "a grid needs at least 2 vertices along each axis");
+    frame.size = whole_bricks(frame.size, params.levels);
     frame.spacing_m = extent / V3f(frame.size);
   } else {
     const float voxel = params.voxel_size_m.value_or(longest / default_long_side);
@@ -130,9 +156,12 @@ GridFrame default_frame(const Scene& scene, const GridBakeParams& params) {
       }
       frame.size[axis] = static_cast<int>(count);
     }
+    frame.size = whole_bricks(frame.size, params.levels);
     frame.spacing_m = V3f(voxel, voxel, voxel);
   }
-  if (std::max({frame.size.x, frame.size.y, frame.size.z}) > 32768 || frame.vertex_count() > (std::size_t(1) << 31U)) {
+  // Those of a level of bricks are not all stored, and their bricks are what is numbered.
+  const double numbered = double(frame.vertex_count()) / (params.levels > 1 ? brick_vertices : 1);
+  if (std::max({frame.size.x, frame.size.y, frame.size.z}) > 32768 || numbered > 0x1p31) {
     throw ParameterError(params.resolution ? "resolution" : "voxel_size",
                          fmt::format("{}x{}x{} are {:.3g} vertices over {:.4g} x {:.4g} x {:.4g} m, more than the 2^31 "
                                      "that a grid may have",
@@ -157,22 +186,37 @@ struct BakeMemory {
   double limit = 0;
 };
 
-// What the threads share: sums, once more while they are sorted, and the grid. Each adds to its own, 4 bytes a lane,
-// twice where photons of weak lights have sums of a finer unit.
-BakeMemory bake_memory(const GridFrame& frame, const GridBakeParams& params, bool fine) {
-  const double sums = double(frame.vertex_count()) * sum_layout(params.basis, params.estimator).stride();
-  const double shared = sums * 16 + double(frame.vertex_count()) * (double(function_count(params.basis)) * 12 + 64);
-  return {shared, sums * (fine ? 8 : 4), memory_limit_bytes(params)};
+// What the threads share: sums, the grid, and the tables of bricks. Each adds to its own, 4 bytes a lane, twice where
+// photons of weak lights have sums of a finer unit, and all sums are there once more while they are sorted; unless
+// there are so many that the threads share them.
+BakeMemory bake_memory(const Lattice& lattice, const GridBakeParams& params, int fine_bits) {
+  const auto vertices = double(lattice.vertex_count());
+  const SumLayout layout = sum_layout(params.basis, params.estimator);
+  const double sums = vertices * layout.stride();
+  const bool own = choose_buffers(lattice.vertex_count(), layout, fine_bits) == DepositBuffers::own;
+  const double shared = sums * (own ? 16 : 8) + vertices * (double(function_count(params.basis)) * 12 + 64) +
+                        table_bytes(lattice.frame, lattice.levels());
+  return {shared, own ? sums * (fine_bits != 0 ? 8 : 4) : 0, memory_limit_bytes(params)};
 }
 
-void check(const std::string& scene, const GridFrame& frame, const GridBakeParams& params, const BakeMemory& memory) {
+constexpr double gib = 1024.0 * 1024 * 1024;
+
+void check(const std::string& scene, const Lattice& lattice, const GridBakeParams& params, const BakeMemory& memory) {
   const double needed = memory.shared + memory.own;
   if (needed <= memory.limit) return;
-  constexpr double gib = 1024.0 * 1024 * 1024;
+  const GridFrame& frame = lattice.finest_frame();
   const std::string coarser = params.resolution
                                   ? "for a lower resolution"
                                   : fmt::format("for a voxel size of {:.2g} m",
                                                 1.05 * double(frame.spacing_m.x) * std::cbrt(needed / memory.limit));
+  if (lattice.levels() > 1) {
+    throw Error(scene,
+                fmt::format("a grid of {:.3g} vertices on {} levels, {:.4g} m apart on the finest, needs {:.1f} GiB to "
+                            "bake and {:.1f} GiB may be used",
+                            double(lattice.vertex_count()), lattice.levels(), frame.spacing_m.x, needed / gib,
+                            memory.limit / gib),
+                "ask " + coarser + ", or for a part of the scene");
+  }
   throw Error(
       scene,
       fmt::format("a grid of {}x{}x{} = {:.3g} vertices, {:.4g} m apart, needs {:.1f} GiB to bake and {:.1f} GiB "
@@ -188,35 +232,55 @@ double memory_limit_bytes(const GridBakeParams& params) {
   return params.max_memory_bytes != 0 ? double(params.max_memory_bytes) : 0.75 * available_memory_bytes();
 }
 
-double grid_memory_bytes(const GridFrame& frame, const GridBakeParams& params, int threads) {
-  const BakeMemory memory = bake_memory(frame, params, true);
+double grid_memory_bytes(const Lattice& lattice, const GridBakeParams& params, int threads) {
+  const BakeMemory memory = bake_memory(lattice, params, max_fine_bits);
   return memory.shared + memory.own * threads;
 }
 
-void check_grid_memory(const Scene& scene, const GridFrame& frame, const GridBakeParams& params) {
-  check(scene.name, frame, params, bake_memory(frame, params, false));
+Lattice default_lattice(const Scene& scene, const GridBakeParams& params) {
+  const GridFrame frame = params.frame ? *params.frame : default_frame(scene, params);
+  if (params.levels == 1) return frame;
+  const double bytes = table_bytes(coarser_frame(frame, params.levels - 1), params.levels);
+  if (bytes > memory_limit_bytes(params)) {
+    throw Error(
+        scene.name,
+        fmt::format("the tables of a grid whose finest level has {}x{}x{} vertices, {:.4g} m apart, need {:.1f} "
+                    "GiB and {:.1f} GiB may be used",
+                    frame.size.x, frame.size.y, frame.size.z, frame.spacing_m.x, bytes / gib,
+                    memory_limit_bytes(params) / gib),
+        "ask for larger voxels, or for a part of the scene");
+  }
+  SceneLatticeParams lattice;
+  lattice.levels = params.levels;
+  if (params.dynamic_regions) lattice.dynamic_regions = *params.dynamic_regions;
+  return make_scene_lattice(scene, frame, lattice);
 }
 
-int affordable_threads(const LitScene& lit, const GridFrame& frame, const GridBakeParams& params) {
+void check_grid_memory(const Scene& scene, const Lattice& lattice, const GridBakeParams& params) {
+  check(scene.name, lattice, params, bake_memory(lattice, params, 0));
+}
+
+int affordable_threads(const LitScene& lit, const Lattice& lattice, const GridBakeParams& params) {
   const int threads = params.threads > 0 ? params.threads : tbb::this_task_arena::max_concurrency();
-  const Lights::PhotonPower power = lit.lights.emission(emission_target(frame, params)).photon_power();
-  const BakeMemory memory = bake_memory(frame, params, fine_bits(power) != 0);
-  check(lit.scene->name, frame, params, memory);
-  return int(std::min(double(threads), (memory.limit - memory.shared) / memory.own));
+  const Lights::PhotonPower power = lit.lights.emission(emission_target(lattice.finest_frame(), params)).photon_power();
+  const BakeMemory memory = bake_memory(lattice, params, fine_bits(power));
+  check(lit.scene->name, lattice, params, memory);
+  return memory.own == 0 ? threads : int(std::min(double(threads), (memory.limit - memory.shared) / memory.own));
 }
 
 GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params) {
   const Scene& scene = *lit.scene;
   if (lit.lights.empty())
     throw Error(scene.name, "nothing in it shines", "add a light, an emissive material or an environment");
-  const GridFrame frame = params.frame ? *params.frame : default_frame(scene, params);
+  const Lattice lattice = params.lattice ? *params.lattice : default_lattice(scene, params);
+  const std::size_t vertices = lattice.vertex_count();
+  check_estimator(lattice, params.estimator);
   const SumLayout layout = sum_layout(params.basis, params.estimator);
-  const int threads = affordable_threads(lit, frame, params);
+  const int threads = affordable_threads(lit, lattice, params);
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, std::size_t(threads));
 
-  const std::uint64_t photons = params.photons != 0
-                                    ? params.photons
-                                    : std::max(least_default_photons, default_photons_a_vertex * frame.vertex_count());
+  const std::uint64_t photons =
+      params.photons != 0 ? params.photons : std::max(least_default_photons, default_photons_a_vertex * vertices);
   const auto range = params.photon_range.value_or(std::pair<std::uint64_t, std::uint64_t>{0, photons});
   const std::uint64_t begin = range.first;  // Clang 14 does not capture structured bindings
   const std::uint64_t end = range.second;
@@ -225,11 +289,12 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
                                              " photons of the whole bake");
 
   std::vector<std::uint64_t> masks = params.guard == Guard::off
-                                         ? std::vector<std::uint64_t>(frame.vertex_count(), ~std::uint64_t(0))
-                                         : vertex_cell_masks(lit.intersector, frame);
+                                         ? std::vector<std::uint64_t>(vertices, ~std::uint64_t(0))
+                                         : vertex_cell_masks(lit.intersector, lattice);
   if (params.dynamic_regions) {
-    const std::vector<bool> kept = kept_vertices(scene, frame, *params.dynamic_regions);
-    for (std::size_t v = 0; v < masks.size(); ++v) {
+    // Finer levels have bricks only where they are wanted.
+    const std::vector<bool> kept = kept_vertices(scene, lattice.frame, *params.dynamic_regions);
+    for (std::size_t v = 0; v < kept.size(); ++v) {
       if (!kept[v]) masks[v] = 0;
     }
   }
@@ -238,16 +303,17 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
   const PhotonTracer tracer(lit, {.max_bounces = params.max_bounces,
                                   .include_direct = params.include_direct,
                                   .seed = params.seed,
-                                  .target = emission_target(frame, params)});
+                                  .target = emission_target(lattice.finest_frame(), params)});
   if (params.guard != Guard::off) {
-    const std::uint64_t scouts = std::min(photons, scout_photons_a_vertex * frame.vertex_count());
-    const std::vector<bool> reached = lit_vertices(tracer, frame, masks, scouts);
-    guard = fit_guard(lit.intersector, frame, visible_fraction, reached);
+    const std::uint64_t scouts = std::min(photons, scout_photons_a_vertex * vertices);
+    const std::vector<bool> reached = lit_vertices(tracer, lattice, masks, scouts);
+    guard = fit_guard(lit.intersector, lattice, visible_fraction, reached);
   }
 
   const Lights::PhotonPower power = tracer.emission().photon_power();
-  DepositTarget target = make_deposit_target(frame, params.basis, params.estimator, power.strongest_lm,
-                                             std::move(masks), fine_bits(power), power.heaviest_lm);
+  DepositTarget target =
+      make_deposit_target(lattice, params.basis, params.estimator, power.strongest_lm, std::move(masks),
+                          fine_bits(power), power.heaviest_lm, choose_buffers(vertices, layout, fine_bits(power)));
   struct Worker {
     PhotonDepositor depositor;
     std::vector<PhotonSegment> segments;
@@ -284,7 +350,8 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
     ledger += worker->ledger;
   }
 
-  GridAccumulator result = to_accumulator(target);
+  workers.clear();
+  GridAccumulator result = to_accumulator(std::move(target));
   result.anchor_m = scene.anchor_m;
   result.visible_fraction = std::move(visible_fraction);
   result.guard = std::move(guard);
@@ -294,7 +361,7 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
   result.counters = {{"ledger_emitted", ledger.emitted}, {"ledger_absorbed", ledger.absorbed},
                      {"ledger_escaped", ledger.escaped}, {"ledger_terminated", ledger.terminated},
                      {"photons_traced", ledger.photons}, {"rays_traced", ledger.rays}};
-  result.metadata = describe(scene, params, photons, layout, tracer.emission());
+  result.metadata = describe(scene, params, result, photons, layout, tracer.emission());
   result.metadata["ledger_unit_lm"] = tracer.ledger_unit_lm();
   return result;
 }

@@ -6,6 +6,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include "grid/base/error.h"
+
 namespace ivory {
 
 namespace {
@@ -21,10 +23,25 @@ int coarser_bits(float power_lm, float heaviest_lm, int fine_bits) {
 
 }  // namespace
 
-DepositTarget make_deposit_target(const GridFrame& frame, Basis basis, Estimator estimator, float power_lm,
-                                  std::vector<std::uint64_t> cell_masks, int fine_bits, float heaviest_lm) {
+DepositBuffers choose_buffers(std::size_t vertices, const SumLayout& layout, int fine_bits) {
+  const double own_bytes = double(vertices) * layout.stride() * (fine_bits != 0 ? 8 : 4);
+  return own_bytes > most_own_bytes ? DepositBuffers::shared : DepositBuffers::own;
+}
+
+void check_estimator(const Lattice& lattice, Estimator estimator) {
+  if (lattice.levels() == 1 || estimator == Estimator::track) return;
+  throw ParameterError("estimator", "'" + std::string(name_of(estimator)) +
+                                        "' works in grids of one spacing only; several levels take 'track'");
+}
+
+DepositTarget make_deposit_target(const Lattice& lattice, Basis basis, Estimator estimator, float power_lm,
+                                  std::vector<std::uint64_t> cell_masks, int fine_bits, float heaviest_lm,
+                                  DepositBuffers buffers) {
+  check_estimator(lattice, estimator);
   DepositTarget target;
-  target.frame = frame;
+  target.lattice = lattice;
+  target.buffers = buffers;
+  const GridFrame& frame = lattice.frame;
   target.basis = basis;
   target.estimator = estimator;
   target.layout = sum_layout(basis, estimator);
@@ -34,20 +51,24 @@ DepositTarget make_deposit_target(const GridFrame& frame, Basis basis, Estimator
   target.quantum_squared = std::ldexp(unit * unit, -18 - fine_bits + coarser_bits(power_lm, heaviest_lm, fine_bits));
   target.fine_bits = fine_bits;
   target.cell_masks = std::move(cell_masks);
-  assert(target.cell_masks.size() == frame.vertex_count());
-  target.sums.assign(frame.vertex_count() * std::size_t(target.layout.stride()), 0);
+  assert(target.cell_masks.size() == lattice.vertex_count());
+  target.sums.assign(lattice.vertex_count() * std::size_t(target.layout.stride()), 0);
   return target;
 }
 
-int fine_bits(const Lights::PhotonPower& power) { return power.weakest_lm < 0x1p-6F * power.strongest_lm ? 12 : 0; }
+int fine_bits(const Lights::PhotonPower& power) { return power.weakest_lm < 0x1p-6F * power.strongest_lm ? max_fine_bits : 0; }
 
-GridAccumulator to_accumulator(const DepositTarget& target) {
+GridAccumulator to_accumulator(DepositTarget target) {
   GridAccumulator out;
-  out.frame = target.frame;
+  static_cast<Lattice&>(out) = std::move(target.lattice);
   out.basis = target.basis;
   out.estimator = target.estimator;
   out.quantum = target.quantum;
   out.quantum_squared = target.quantum_squared;
+  if (target.buffers == DepositBuffers::shared) {
+    out.sums = std::move(target.sums);
+    return out;
+  }
   const auto lanes = std::size_t(target.layout.lanes());
   const auto slots = std::size_t(target.layout.slots);
   out.sums.resize(target.sums.size());
@@ -77,6 +98,21 @@ std::optional<IndexSegment> clip(const GridFrame& frame, const PhotonSegment& se
   }
   if (!(t1 > t0)) return std::nullopt;
   return IndexSegment{origin + direction * t0, direction, t1 - t0, -local};
+}
+
+float sample_step_m(const IndexSegment& inside) {
+  const V3f& d = inside.per_metre;
+  return 1 / std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+}
+
+std::optional<SampleRun> sample_run(const IndexSegment& inside, float jitter) {
+  const V3f& d = inside.per_metre;
+  const float step_m = sample_step_m(inside);
+  const float first_m = jitter * step_m;
+  if (first_m >= inside.length_m) return std::nullopt;
+  return SampleRun{.start = (inside.start + d * first_m) * 4.0F,
+                   .step = d * (step_m * 4),
+                   .count = static_cast<int>((inside.length_m - first_m) / step_m) + 1};
 }
 
 namespace {

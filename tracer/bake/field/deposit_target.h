@@ -7,34 +7,54 @@
 #include <vector>
 
 #include "grid/field/accumulator.h"
+#include "tracer/bake/field/track_samples.h"
 #include "tracer/render/photon_tracer.h"
 
 namespace ivory {
 
+// How threads add to the sums. Either way the bytes are the same.
+enum class DepositBuffers {
+  own,     // to 32-bit sums of their own first: fast while a thread's fit into its cache, but each needs half as much
+           // memory as all share
+  shared,  // to the shared sums at once, one thread at a time for each slot of a vertex
+};
+
 // Integer addition commutes, so neither the order of the threads nor how the photons were cut into
 // batches leaves a trace in the sums.
 struct DepositTarget {
-  GridFrame frame;
+  Lattice lattice;
   Basis basis = Basis::vectors;
   Estimator estimator = Estimator::track;
   SumLayout layout;
+  DepositBuffers buffers = DepositBuffers::own;
   double quantum = 0;  // as in GridAccumulator
   double quantum_squared = 0;
   int fine_bits = 0;  // deposits are counted in coarse units of 2^fine_bits quanta, those too small for that in quanta
   std::vector<std::uint64_t> cell_masks;  // [vertex] 4x4x4 subcells that the vertex sees, x fastest; track only
-  std::vector<std::int64_t> sums;         // [slot][vertex][lane]
+  std::vector<std::int64_t> sums;         // [slot][vertex][lane]; shared buffers: [vertex][slot][lane]
 
   std::size_t lane_index(std::size_t slot, std::size_t vertex) const {
-    return (slot * cell_masks.size() + vertex) * std::size_t(layout.lanes());
+    const std::size_t at = buffers == DepositBuffers::shared ? vertex * std::size_t(layout.slots) + slot
+                                                             : slot * cell_masks.size() + vertex;
+    return at * std::size_t(layout.lanes());
   }
 };
 
+// Bytes of one thread's own sums from which on they pay no more, and are shared.
+inline constexpr double most_own_bytes = 64.0 * 1024 * 1024;
+DepositBuffers choose_buffers(std::size_t vertices, const SumLayout& layout, int fine_bits);
+
 // Sizes the sums and picks the quanta: a photon of `power_lm` (its strongest channel) crossing one voxel
-// is 2^18 coarse units, which leaves rounding far below the photon noise even for channels and direction
-// components 10,000 times weaker. Where few photons may carry up to heaviest_lm, the quanta of second moments are
-// larger, as far as that lets 64 bits hold theirs.
-DepositTarget make_deposit_target(const GridFrame& frame, Basis basis, Estimator estimator, float power_lm,
-                                  std::vector<std::uint64_t> cell_masks, int fine_bits = 0, float heaviest_lm = 0);
+// (of the coarsest level, the finer ones' units being so much smaller) is 2^18 coarse units, which leaves rounding far
+// below the photon noise even for channels and direction components 10,000 times weaker. Where few photons may carry up
+// to heaviest_lm, the quanta of second moments are larger, as far as that lets 64 bits hold theirs. Throws
+// ParameterError for a face estimator in a lattice of several levels.
+DepositTarget make_deposit_target(const Lattice& lattice, Basis basis, Estimator estimator, float power_lm,
+                                  std::vector<std::uint64_t> cell_masks, int fine_bits = 0, float heaviest_lm = 0,
+                                  DepositBuffers buffers = DepositBuffers::own);
+
+// Throws so.
+void check_estimator(const Lattice& lattice, Estimator estimator);
 
 // The fine bits that a scene's lights ask for. Where a sun shines into a scene, the photons of a lamp indoors may
 // carry a millionth of the strongest power: rounded to 2^-18 of that, the lamp's room would be dark, not noisy. 12
@@ -42,10 +62,11 @@ DepositTarget make_deposit_target(const GridFrame& frame, Basis basis, Estimator
 // which the second moment may be 3 units of 2^30; what is weaker yet is rounded at random (see
 // tracer/bake/field/photon_deposit.cpp). None where all photons are above 2^-6 of the strongest, as with a single
 // light: their deposits are 2^12 coarse units, and second moments 2^6.
+inline constexpr int max_fine_bits = 12;
 int fine_bits(const Lights::PhotonPower& power);
 
-// What a bake keeps of it: frame, basis, estimator, quanta and the sums by vertex. All else is left empty.
-GridAccumulator to_accumulator(const DepositTarget& target);
+// What a bake keeps of it: lattice, basis, estimator, quanta and the sums by vertex. All else is left empty.
+GridAccumulator to_accumulator(DepositTarget target);
 
 // The part of a segment inside the grid's box, in index coordinates shifted by one half: vertex i's cell
 // is [i, i + 1).
@@ -56,6 +77,14 @@ struct IndexSegment {
   V3f w;  // in the grid's own axes, towards the light
 };
 std::optional<IndexSegment> clip(const GridFrame& frame, const PhotonSegment& segment);
+
+// One jittered position a slice of the dominant axis; nothing where none lies inside.
+float sample_step_m(const IndexSegment& inside);
+std::optional<SampleRun> sample_run(const IndexSegment& inside, float jitter);
+inline std::optional<SampleRun> sample_run(const GridFrame& frame, const PhotonSegment& segment) {
+  const std::optional<IndexSegment> inside = clip(frame, segment);
+  return inside ? sample_run(*inside, segment.jitter) : std::nullopt;
+}
 
 // What a deposit adds to a slot's moments and second moments, in coarse units, for one metre
 // (track) or one crossing (face) of a segment; [function][rgb], then the second moment's rgb.

@@ -161,14 +161,18 @@ GuardRecord fit_vertex(Samples samples, bool lit, const GuardFitParams& params) 
 
 }  // namespace
 
-std::vector<GuardRecord> fit_guard(const Intersector& intersector, const GridFrame& frame,
+std::vector<GuardRecord> fit_guard(const Intersector& intersector, const Lattice& lattice,
                                    const std::vector<float>& visible_fraction, const std::vector<bool>& lit,
                                    const GuardFitParams& params) {
-  std::vector<GuardRecord> records(frame.vertex_count());
+  std::vector<GuardRecord> records(lattice.vertex_count());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, records.size(), 64), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v) {
       if (visible_fraction[v] <= 0) continue;
-      const Samples samples = trace_samples(intersector, frame, V3f(frame.vertex_coordinates(v)), v, params);
+      const VertexPlace place = lattice.place_of(std::uint32_t(v));
+      const GridFrame& frame = lattice.frame_of(place.level);
+      // Numbered within its level, so that the same vertex of a uniform grid has the same planes.
+      const std::size_t stream = frame.vertex_index(place.at.x, place.at.y, place.at.z);
+      const Samples samples = trace_samples(intersector, frame, V3f(place.at), stream, params);
       if (!samples.hidden.empty()) records[v] = fit_vertex(samples, lit[v], params);
     }
   });

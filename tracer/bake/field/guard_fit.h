@@ -18,7 +18,7 @@ struct GuardFitParams {
 // For each vertex with visible_fraction > 0, up to four planes that part what it sees from what it does
 // not, within one voxel along each axis. `lit` (tracer/bake/field/lit_vertices.h) tells vertices that hold light from
 // those that hold none: the latter, outside a room's corners above all, had better claim too little than too much.
-std::vector<GuardRecord> fit_guard(const Intersector& intersector, const GridFrame& frame,
+std::vector<GuardRecord> fit_guard(const Intersector& intersector, const Lattice& lattice,
                                    const std::vector<float>& visible_fraction, const std::vector<bool>& lit,
                                    const GuardFitParams& params = {});
 

@@ -11,11 +11,14 @@
 
 namespace ivory {
 
-std::vector<bool> lit_vertices(const PhotonTracer& tracer, const GridFrame& frame,
+std::vector<bool> lit_vertices(const PhotonTracer& tracer, const Lattice& lattice,
                                const std::vector<std::uint64_t>& cell_masks, std::uint64_t photons) {
-  std::vector<std::atomic<bool>> lit(frame.vertex_count());
+  std::vector<std::atomic<bool>> lit(lattice.vertex_count());
+  const auto mark_at = [&](std::size_t vertex, unsigned bit) {
+    if (((cell_masks[vertex] >> bit) & 1U) != 0) lit[vertex].store(true, std::memory_order_relaxed);
+  };
   const auto mark = [&](const PhotonSegment& segment) {
-    const std::optional<IndexSegment> inside = clip(frame, segment);
+    const std::optional<IndexSegment> inside = clip(lattice.frame, segment);
     if (!inside) return;
     const V3f& d = inside->per_metre;
     const float step_m = 1 / std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
@@ -24,12 +27,14 @@ std::vector<bool> lit_vertices(const PhotonTracer& tracer, const GridFrame& fram
       V3i cell;
       unsigned bit = 0;
       for (unsigned axis = 0; axis < 3; ++axis) {
-        const int quarter = std::clamp(static_cast<int>(p[axis]), 0, 4 * frame.size[axis] - 1);
+        const int quarter = std::clamp(static_cast<int>(p[axis]), 0, 4 * lattice.frame.size[axis] - 1);
         cell[axis] = quarter >> 2;
         bit |= static_cast<unsigned>(quarter & 3) << (2 * axis);
       }
-      const std::size_t vertex = frame.vertex_index(cell.x, cell.y, cell.z);
-      if (((cell_masks[vertex] >> bit) & 1U) != 0) lit[vertex].store(true, std::memory_order_relaxed);
+      mark_at(lattice.frame.vertex_index(cell.x, cell.y, cell.z), bit);
+    }
+    for (const BrickLevel& level : lattice.finer) {
+      if (const auto run = sample_run(level.frame, segment)) for_each_sample(level, *run, mark_at, [] {});
     }
   };
   tbb::parallel_for(tbb::blocked_range<std::uint64_t>(0, photons, 1024), [&](const auto& range) {

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <thread>
 
 #include "tracer/bake/field/deposit_units.h"
 
@@ -33,13 +34,30 @@ void atomic_add(std::int64_t& target, std::int64_t value) {
   std::atomic_ref<std::int64_t>(target).fetch_add(value, std::memory_order_relaxed);
 }
 
+// The first lane of a slot stands for its lock: `taken` while a thread holds it, which no sum comes to (add_wide()).
+constexpr std::int64_t taken = std::numeric_limits<std::int64_t>::min();
+
+std::int64_t take(std::int64_t& first_lane) {
+  for (int tries = 0;; ++tries) {
+    const std::int64_t sum = std::atomic_ref<std::int64_t>(first_lane).exchange(taken, std::memory_order_acquire);
+    if (sum != taken) return sum;
+    if (tries > 100) std::this_thread::yield();  // its holder may have been put to sleep
+  }
+}
+
+void put_back(std::int64_t& first_lane, std::int64_t sum) {
+  std::atomic_ref<std::int64_t>(first_lane).store(sum, std::memory_order_release);
+}
+
 // Subcell bit within a cell, from a position in quarters of a voxel.
 unsigned subcell(int x, int y, int z) { return static_cast<unsigned>(((z & 3) << 4) | ((y & 3) << 2) | (x & 3)); }
 
 }  // namespace
 
 PhotonDepositor::PhotonDepositor(DepositTarget& target, TrackWalk walk) : target_(target), walk_(walk) {
-  coarse_.unit = std::int64_t(1) << target.fine_bits;
+  coarse_.unit_bits = target.fine_bits;
+  for (Scale* scale : {&coarse_, &fine_}) scale->runs.resize(std::size_t(target.lattice.levels()));
+  if (target.buffers == DepositBuffers::shared) return;
   coarse_.sums.assign(target.sums.size(), 0);
   if (target.fine_bits != 0) fine_.sums.assign(target.sums.size(), 0);
 }
@@ -64,121 +82,134 @@ void PhotonDepositor::deposit_all(const std::vector<PhotonSegment>& segments) {
     return;
   }
   if (walk_ == TrackWalk::exact) {
-    for (const PhotonSegment& segment : segments) walk_cells<lanes>(segment);
+    for (const PhotonSegment& segment : segments) {
+      for (int level = 0; level < target_.lattice.levels(); ++level) walk_cells<lanes>(segment, level);
+    }
     return;
   }
   const float fine_limit = fine_below(target_.fine_bits);
+  const Lattice& lattice = target_.lattice;
   // Sorted by slot, so that the inner loop works on an eighth of the sums at a time.
   for (const PhotonSegment& segment : segments) {
-    const std::optional<IndexSegment> inside = clip(target_.frame, segment);
-    if (!inside) continue;
-    const V3f& d = inside->per_metre;
-    const float step_m = 1 / std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
-    const float first_m = segment.jitter * step_m;
-    if (first_m >= inside->length_m) continue;
-    const SegmentLanes a_metre = track_lanes(target_, inside->w, segment.power_lm);
-    Run run;
-    run.count = static_cast<int>((inside->length_m - first_m) / step_m) + 1;
-    run.start = (inside->start + d * first_m) * 4.0F;
-    run.step = d * (step_m * 4);
+    // What a step adds is the same number in all levels: each halves the step and the unit.
     std::array<float, lanes> values;
-    float largest = 0;
-    for (std::size_t i = 0; i < lanes; ++i) {
-      values[i] = a_metre.values[i] * (i + 3 < lanes ? step_m : step_m * step_m);
-      largest = std::max(largest, std::abs(values[i]));
-    }
-    if (largest < largest_step) {
-      const bool is_fine = largest < fine_limit;
-      Scale& scale = is_fine ? fine_ : coarse_;
-      scale.runs[a_metre.slot].push_back(run);
-      std::vector<std::int32_t>& integers = scale.run_values[a_metre.slot];
-      integers.resize(integers.size() + lanes);
-      if (is_fine) {
-        const std::uint32_t key = rounding_key(segment);
-        for (std::size_t i = 0; i < lanes; ++i)
-          integers[integers.size() - lanes + i] = rounded_at_random(values[i], target_.fine_bits, key, i);
-      } else {
-        std::transform(values.begin(), values.end(), integers.end() - lanes, rounded);
+    SegmentLanes a_metre;
+    Scale* scale = nullptr;
+    bool is_known = false;
+    for (int level = 0; level < lattice.levels(); ++level) {
+      const std::optional<IndexSegment> inside = clip(lattice.frame_of(level), segment);
+      if (!inside) continue;
+      const std::optional<SampleRun> run = sample_run(*inside, segment.jitter);
+      if (!run) continue;
+      if (!is_known) {
+        is_known = true;
+        a_metre = track_lanes(target_, inside->w, segment.power_lm);
+        const float step_m = std::ldexp(sample_step_m(*inside), level);
+        float largest = 0;
+        for (std::size_t i = 0; i < lanes; ++i) {
+          values[i] = a_metre.values[i] * (i + 3 < lanes ? step_m : step_m * step_m);
+          largest = std::max(largest, std::abs(values[i]));
+        }
+        const bool is_fine = largest < fine_limit;
+        scale = !(largest < largest_step) ? nullptr : is_fine ? &fine_ : &coarse_;
+        if (scale != nullptr) {
+          std::vector<std::int32_t>& integers = scale->run_values[a_metre.slot];
+          integers.resize(integers.size() + lanes);
+          if (is_fine) {
+            const std::uint32_t key = rounding_key(segment);
+            for (std::size_t i = 0; i < lanes; ++i)
+              integers[integers.size() - lanes + i] = rounded_at_random(values[i], target_.fine_bits, key, i);
+          } else {
+            std::transform(values.begin(), values.end(), integers.end() - lanes, rounded);
+          }
+        }
       }
-      continue;
-    }
-    for (int j = 0; j < run.count; ++j) {
-      const V3f p = run.start + run.step * static_cast<float>(j);
-      const V3i quarter(static_cast<int>(p.x), static_cast<int>(p.y), static_cast<int>(p.z));
-      V3i cell;
-      for (unsigned axis = 0; axis < 3; ++axis)
-        cell[axis] = std::clamp(quarter[axis] >> 2, 0, target_.frame.size[axis] - 1);
-      const std::size_t vertex = target_.frame.vertex_index(cell.x, cell.y, cell.z);
-      if (((target_.cell_masks[vertex] >> subcell(quarter.x, quarter.y, quarter.z)) & 1U) != 0)
-        add_wide(a_metre.slot, vertex, values.data(), lanes);
+      if (scale != nullptr) {
+        const auto value = std::uint32_t(scale->run_values[a_metre.slot].size() / lanes - 1);
+        scale->runs[std::size_t(level)][a_metre.slot].push_back({*run, value});
+        continue;
+      }
+      const auto add_wide_at = [&](std::uint32_t vertex, unsigned bit) {
+        if (((target_.cell_masks[vertex] >> bit) & 1U) != 0) add_wide(a_metre.slot, vertex, values.data(), lanes);
+      };
+      if (level == 0)
+        for_each_sample(lattice.frame, *run, add_wide_at, [] {});
+      else
+        for_each_sample(lattice.finer[std::size_t(level - 1)], *run, add_wide_at, [] {});
     }
   }
   for (Scale* scale : {&coarse_, &fine_}) {
-    for (std::size_t slot = 0; slot < scale->runs.size(); ++slot) {
+    for (std::size_t slot = 0; slot < scale->run_values.size(); ++slot) {
+      if (scale->run_values[slot].empty()) continue;
       sample_runs<lanes>(*scale, slot);
-      scale->runs[slot].clear();
+      for (Runs& runs : scale->runs) runs[slot].clear();
       scale->run_values[slot].clear();
     }
   }
 }
 
-// The sums outgrow the second-level cache from about 32^3 vertices on, so this is bound by memory
-// latency: positions are found ahead of time and their sums asked for, then added when they are there.
 template <int lanes>
 void PhotonDepositor::sample_runs(Scale& scale, std::size_t slot) {
-  if (scale.runs[slot].empty()) return;
-  const V3i last = target_.frame.size - V3i(1, 1, 1);
-  const int row = target_.frame.size.x;
-  const int plane = row * target_.frame.size.y;
+  const Lattice& lattice = target_.lattice;
+  const bool shared = target_.buffers == DepositBuffers::shared;
+  const auto add_level = [&](std::size_t index, const auto& level) {
+    const std::vector<Run>& runs = scale.runs[index][slot];
+    if (runs.empty()) return;
+    if (shared)
+      add_runs<lanes, true>(scale, slot, runs, level);
+    else
+      add_runs<lanes, false>(scale, slot, runs, level);
+  };
+  add_level(0, lattice.frame);
+  for (std::size_t i = 0; i < lattice.finer.size(); ++i) add_level(i + 1, lattice.finer[i]);
+}
+
+// The sums outgrow the second-level cache from about 32^3 vertices on, so this is bound by memory
+// latency: positions are found ahead of time and their sums asked for, then added when they are there.
+template <int lanes, bool shared, typename Level>
+void PhotonDepositor::add_runs(Scale& scale, std::size_t slot, const std::vector<Run>& runs, const Level& level) {
   const std::uint64_t* masks = target_.cell_masks.data();
-  std::int32_t* sums = scale.sums.data() + target_.lane_index(slot, 0);
+  const std::int32_t* values = scale.run_values[slot].data();
+  std::int32_t* own = shared ? nullptr : scale.sums.data() + target_.lane_index(slot, 0);
+  std::int64_t* all = target_.sums.data() + target_.lane_index(slot, 0);
+  const std::size_t all_stride = target_.lane_index(0, 1);
 
   struct Pending {
     std::uint32_t vertex;
-    std::uint32_t run;
+    std::uint32_t value;
   };
   constexpr std::size_t ahead = 48;
-  constexpr int block = 8;  // positions found at once: that part vectorises
-  std::array<Pending, ahead + block> pending;
+  std::array<Pending, ahead + sample_block> pending;
   std::size_t waiting = 0;
   const auto add_pending = [&] {
     for (std::size_t i = 0; i < waiting; ++i) {
       const Pending& p = pending[i];
-      std::int32_t* cell = sums + std::size_t(p.vertex) * lanes;
-      if (add<lanes>(cell, scale.run_values[slot].data() + std::size_t(p.run) * lanes))
+      const std::int32_t* value = values + std::size_t(p.value) * lanes;
+      if (shared) {
+        add_shared<lanes>(all + p.vertex * all_stride, value, scale.unit_bits);
+      } else if (add<lanes>(own + std::size_t(p.vertex) * lanes, value)) {
         spill(scale, target_.lane_index(slot, p.vertex), lanes);
+      }
     }
     waiting = 0;
   };
-
-  for (std::size_t r = 0; r < scale.runs[slot].size(); ++r) {
-    const Run& run = scale.runs[slot][r];
-    std::array<std::int32_t, block> vertex;
-    std::array<std::int32_t, block> bit;
-    for (int first = 0; first < run.count; first += block) {
-      for (int k = 0; k < block; ++k) {
-        const auto j = static_cast<float>(first + k);
-        const int x = static_cast<int>(run.start.x + run.step.x * j);
-        const int y = static_cast<int>(run.start.y + run.step.y * j);
-        const int z = static_cast<int>(run.start.z + run.step.z * j);
-        const int cell_x = std::min(std::max(x >> 2, 0), last.x);
-        const int cell_y = std::min(std::max(y >> 2, 0), last.y);
-        const int cell_z = std::min(std::max(z >> 2, 0), last.z);
-        vertex[std::size_t(k)] = cell_z * plane + cell_y * row + cell_x;
-        bit[std::size_t(k)] = ((z & 3) << 4) | ((y & 3) << 2) | (x & 3);
-      }
-      const int used = std::min(block, run.count - first);
-      for (int k = 0; k < used; ++k) {
-        const auto v = static_cast<std::uint32_t>(vertex[std::size_t(k)]);
-        // Kept whether seen or not, counted only if seen: a branch here would be mispredicted often.
-        const char* line = reinterpret_cast<const char*>(sums + std::size_t(v) * lanes);
-        __builtin_prefetch(line, 1);
-        __builtin_prefetch(line + lanes * sizeof(std::int32_t) - 1, 1);
-        pending[waiting] = {v, static_cast<std::uint32_t>(r)};
-        waiting += (masks[v] >> static_cast<unsigned>(bit[std::size_t(k)])) & 1U;
-      }
-      if (waiting >= ahead) add_pending();
-    }
+  for (const Run& run : runs) {
+    for_each_sample(
+        level, run,
+        [&](std::uint32_t vertex, unsigned bit) {
+          // Kept whether seen or not, counted only if seen: a branch here would be mispredicted often.
+          const char* line = shared ? reinterpret_cast<const char*>(all + vertex * all_stride)
+                                    : reinterpret_cast<const char*>(own + std::size_t(vertex) * lanes);
+          constexpr std::size_t bytes = lanes * (shared ? sizeof(std::int64_t) : sizeof(std::int32_t));
+          __builtin_prefetch(line, 1);
+          if constexpr (bytes > 64) __builtin_prefetch(line + bytes / 2, 1);
+          __builtin_prefetch(line + bytes - 1, 1);
+          pending[waiting] = {vertex, run.value};
+          waiting += (masks[vertex] >> bit) & 1U;
+        },
+        [&] {
+          if (waiting >= ahead) add_pending();
+        });
   }
   add_pending();
 }
@@ -186,8 +217,9 @@ void PhotonDepositor::sample_runs(Scale& scale, std::size_t slot) {
 // Whole cells are stepped through exactly; a cell that its vertex does not see whole is stepped
 // through by its quarters, and only the visible ones count.
 template <int lanes>
-void PhotonDepositor::walk_cells(const PhotonSegment& segment) {
-  const std::optional<IndexSegment> inside = clip(target_.frame, segment);
+void PhotonDepositor::walk_cells(const PhotonSegment& segment, int level) {
+  const GridFrame& frame = target_.lattice.frame_of(level);
+  const std::optional<IndexSegment> inside = clip(frame, segment);
   if (!inside) return;
   const SegmentLanes a_metre = track_lanes(target_, inside->w, segment.power_lm);
   const V3f& d = inside->per_metre;
@@ -217,28 +249,31 @@ void PhotonDepositor::walk_cells(const PhotonSegment& segment) {
     }
   };
 
-  walk(1, 0, inside->length_m, V3i(0, 0, 0), target_.frame.size - V3i(1, 1, 1),
-       [&](const V3i& cell, float from_m, float to_m) {
-         const std::size_t vertex = target_.frame.vertex_index(cell.x, cell.y, cell.z);
-         const std::uint64_t mask = target_.cell_masks[vertex];
-         float length_m = to_m - from_m;
-         if (~mask != 0) {
-           length_m = 0;
-           walk(4, from_m, to_m, cell * 4, cell * 4 + V3i(3, 3, 3), [&](const V3i& quarter, float from, float to) {
-             if (((mask >> subcell(quarter.x, quarter.y, quarter.z)) & 1U) != 0) length_m += to - from;
-           });
-         }
-         if (length_m <= 0) return;
-         std::array<float, lanes> values;
-         for (std::size_t i = 0; i < lanes; ++i)
-           values[i] = a_metre.values[i] * (i + 3 < lanes ? length_m : length_m * length_m);
-         add_step<lanes>(a_metre.slot, vertex, values.data(), segment);
-       });
+  walk(1, 0, inside->length_m, V3i(0, 0, 0), frame.size - V3i(1, 1, 1), [&](const V3i& cell, float from_m, float to_m) {
+    const std::size_t vertex = level == 0 ? frame.vertex_index(cell.x, cell.y, cell.z)
+                                          : target_.lattice.finer[std::size_t(level - 1)].vertex_at(cell);
+    if (level != 0 && vertex >= no_brick) return;
+    const std::uint64_t mask = target_.cell_masks[vertex];
+    float length_m = to_m - from_m;
+    if (~mask != 0) {
+      length_m = 0;
+      walk(4, from_m, to_m, cell * 4, cell * 4 + V3i(3, 3, 3), [&](const V3i& quarter, float from, float to) {
+        if (((mask >> subcell(quarter.x, quarter.y, quarter.z)) & 1U) != 0) length_m += to - from;
+      });
+    }
+    if (length_m <= 0) return;
+    length_m = std::ldexp(length_m, level);  // in the level's unit
+    std::array<float, lanes> values;
+    for (std::size_t i = 0; i < lanes; ++i)
+      values[i] = a_metre.values[i] * (i + 3 < lanes ? length_m : length_m * length_m);
+    add_step<lanes>(a_metre.slot, vertex, values.data(), segment);
+  });
 }
 
 void PhotonDepositor::cross_faces(const PhotonSegment& segment) {
-  const V3i size = target_.frame.size;
-  const std::optional<IndexSegment> inside = clip(target_.frame, segment);
+  const GridFrame& frame = target_.lattice.frame;
+  const V3i size = frame.size;
+  const std::optional<IndexSegment> inside = clip(frame, segment);
   if (!inside) return;
   for (unsigned axis = 0; axis < 3; ++axis) {
     const float speed = inside->per_metre[axis];
@@ -254,7 +289,7 @@ void PhotonDepositor::cross_faces(const PhotonSegment& segment) {
       V3i vertex;
       for (unsigned a = 0; a < 3; ++a) vertex[a] = std::clamp(static_cast<int>(at[a]), 0, size[a] - 1);
       vertex[axis] = plane;
-      add_step<12>(a_crossing.slot, target_.frame.vertex_index(vertex.x, vertex.y, vertex.z), a_crossing.values.data(),
+      add_step<12>(a_crossing.slot, frame.vertex_index(vertex.x, vertex.y, vertex.z), a_crossing.values.data(),
                    segment);
     }
   }
@@ -270,28 +305,48 @@ void PhotonDepositor::add_step(std::size_t slot, std::size_t vertex, const float
   const std::size_t first = target_.lane_index(slot, vertex);
   Scale& scale = largest < fine_below(target_.fine_bits) ? fine_ : coarse_;
   if (&scale == &fine_) {
-    const std::uint32_t key = mixed(rounding_key(segment) ^ static_cast<std::uint32_t>(first));
+    // By slot and vertex, wherever their lanes lie.
+    const auto step = static_cast<std::uint32_t>((slot * target_.cell_masks.size() + vertex) * lanes);
+    const std::uint32_t key = mixed(rounding_key(segment) ^ step);
     for (std::size_t i = 0; i < lanes; ++i) integers[i] = rounded_at_random(values[i], target_.fine_bits, key, i);
   } else {
     for (std::size_t i = 0; i < lanes; ++i) integers[i] = rounded(values[i]);
   }
-  if (add<lanes>(scale.sums.data() + first, integers.data())) spill(scale, first, lanes);
+  if (target_.buffers == DepositBuffers::shared)
+    add_shared<lanes>(target_.sums.data() + first, integers.data(), scale.unit_bits);
+  else if (add<lanes>(scale.sums.data() + first, integers.data()))
+    spill(scale, first, lanes);
+}
+
+// One thread at a time adds to a slot of a vertex: who finds its first lane there takes it out until the others are
+// written. So the lock costs no memory and no cache line of its own.
+template <int lanes>
+void PhotonDepositor::add_shared(std::int64_t* sums, const std::int32_t* values, int unit_bits) {
+  const std::int64_t first = take(sums[0]);
+  for (std::size_t i = 1; i < lanes; ++i) sums[i] += std::int64_t(values[i]) << unit_bits;
+  put_back(sums[0], first + (std::int64_t(values[0]) << unit_bits));
 }
 
 // Saturates instead of overflowing: a deposit of 2^60 units (a face met at next to no angle) is noise
 // whatever is done with it, but must not be undefined.
 void PhotonDepositor::add_wide(std::size_t slot, std::size_t vertex, const float* values, int lanes) {
-  const std::size_t first = target_.lane_index(slot, vertex);
-  for (std::size_t i = 0; i < std::size_t(lanes); ++i) {
-    const double value =
-        std::isnan(values[i]) ? 0 : std::clamp(double(values[i]) * double(coarse_.unit), -0x1p60, 0x1p60);
-    atomic_add(target_.sums[first + i], std::llround(value));
+  const double unit = std::ldexp(1.0, coarse_.unit_bits);
+  std::array<std::int64_t, max_lanes> wide{};
+  for (std::size_t i = 0; i < std::size_t(lanes); ++i)
+    wide[i] = std::isnan(values[i]) ? 0 : std::llround(std::clamp(double(values[i]) * unit, -0x1p60, 0x1p60));
+  std::int64_t* sums = target_.sums.data() + target_.lane_index(slot, vertex);
+  if (target_.buffers == DepositBuffers::shared) {
+    const std::int64_t first = take(sums[0]);
+    for (std::size_t i = 1; i < std::size_t(lanes); ++i) sums[i] += wide[i];
+    put_back(sums[0], first + wide[0]);
+  } else {
+    for (std::size_t i = 0; i < std::size_t(lanes); ++i) atomic_add(sums[i], wide[i]);
   }
 }
 
 void PhotonDepositor::spill(Scale& scale, std::size_t first_lane, int lanes) {
   for (std::size_t i = first_lane; i < first_lane + std::size_t(lanes); ++i) {
-    atomic_add(target_.sums[i], scale.sums[i] * scale.unit);
+    atomic_add(target_.sums[i], std::int64_t(scale.sums[i]) << scale.unit_bits);
     scale.sums[i] = 0;
   }
 }
@@ -299,7 +354,7 @@ void PhotonDepositor::spill(Scale& scale, std::size_t first_lane, int lanes) {
 void PhotonDepositor::flush() {
   for (Scale* scale : {&coarse_, &fine_}) {
     for (std::size_t i = 0; i < scale->sums.size(); ++i) {
-      if (scale->sums[i] != 0) atomic_add(target_.sums[i], scale->sums[i] * scale->unit);
+      if (scale->sums[i] != 0) atomic_add(target_.sums[i], std::int64_t(scale->sums[i]) << scale->unit_bits);
     }
     std::fill(scale->sums.begin(), scale->sums.end(), 0);
   }

@@ -15,7 +15,8 @@ enum class TrackWalk {
   exact,    // cell by cell, with exact lengths
 };
 
-// One thread's buffer: 32-bit sums that spill over into the shared 64-bit ones before they can overflow.
+// What one thread adds. With DepositBuffers::own it has 32-bit sums that spill over into the shared 64-bit ones before
+// they can overflow.
 class PhotonDepositor {
  public:
   // `target` must outlive this object; several depositors may share it.
@@ -25,31 +26,34 @@ class PhotonDepositor {
   void flush();
 
  private:
-  // Equal steps through the grid, and what each of them adds (in run_values_).
-  struct Run {
-    V3f start;  // quarters of a voxel
-    V3f step;
-    int count = 0;
+  // Steps through a level, and what each of them adds: one of run_values.
+  struct Run : SampleRun {
+    std::uint32_t value = 0;
   };
+  using Runs = std::array<std::vector<Run>, 8>;  // [slot]
 
   // Sums of one size of unit. Photons are added to one of two, so that 32 bits suffice for either.
   struct Scale {
-    std::int64_t unit = 1;                                // in quanta
-    std::vector<std::int32_t> sums;                       // [slot][vertex][lane]
-    std::array<std::vector<Run>, 8> runs;                 // [slot], scratch
-    std::array<std::vector<std::int32_t>, 8> run_values;  // [slot][run][lane]
+    int unit_bits = 0;                                    // a unit is 2^unit_bits quanta
+    std::vector<std::int32_t> sums;                       // [slot][vertex][lane]; empty where they are shared
+    std::vector<Runs> runs;                               // [level], scratch
+    std::array<std::vector<std::int32_t>, 8> run_values;  // [slot][value][lane]
   };
 
   template <int lanes>
   void deposit_all(const std::vector<PhotonSegment>& segments);
   template <int lanes>
   void sample_runs(Scale& scale, std::size_t slot);
+  template <int lanes, bool shared, typename Level>
+  void add_runs(Scale& scale, std::size_t slot, const std::vector<Run>& runs, const Level& level);
   template <int lanes>
-  void walk_cells(const PhotonSegment& segment);
+  void walk_cells(const PhotonSegment& segment, int level);
   void cross_faces(const PhotonSegment& segment);
   template <int lanes>
   void add_step(std::size_t slot, std::size_t vertex, const float* values, const PhotonSegment& segment);
   void add_wide(std::size_t slot, std::size_t vertex, const float* values, int lanes);
+  template <int lanes>
+  static void add_shared(std::int64_t* sums, const std::int32_t* values, int unit_bits);
   void spill(Scale& scale, std::size_t first_lane, int lanes);
 
   DepositTarget& target_;

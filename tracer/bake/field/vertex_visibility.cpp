@@ -62,12 +62,13 @@ std::uint64_t cell_mask(const Intersector& intersector, const GridFrame& frame, 
 
 }  // namespace
 
-std::vector<std::uint64_t> vertex_cell_masks(const Intersector& intersector, const GridFrame& frame) {
-  std::vector<std::uint64_t> masks(frame.vertex_count(), ~std::uint64_t(0));
+std::vector<std::uint64_t> vertex_cell_masks(const Intersector& intersector, const Lattice& lattice) {
+  std::vector<std::uint64_t> masks(lattice.vertex_count(), ~std::uint64_t(0));
   if (intersector.radius_m() == 0) return masks;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, masks.size(), 256), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v) {
-      masks[v] = cell_mask(intersector, frame, V3f(frame.vertex_coordinates(v)));
+      const VertexPlace place = lattice.place_of(std::uint32_t(v));
+      masks[v] = cell_mask(intersector, lattice.frame_of(place.level), V3f(place.at));
     }
   });
   return masks;
