@@ -6,8 +6,10 @@
 
 #include "grid/base/anchor.h"
 #include "grid/base/error.h"
+#include "grid/field/resolve.h"
 #include "grid/io/vdb/vdb.h"
 #include "tools/bake/grid_contract.h"
+#include "tools/bake/grid_report.h"
 #include "tools/bake/grid_result.h"
 #include "tools/cli/box.h"
 #include "tools/cli/commands.h"
@@ -76,6 +78,11 @@ void run_contract(const BakeGridOptions& options, const GridBakeParams& bake, co
   contract.sums.metadata["version"] = std::string(IVORY_VERSION);
   keep_contract(contract, options.contract);
   auto result = write_result(options.output, contract.sums, /*finished=*/true, common);
+  if (!options.contract.report.empty() && contract.certificate) {
+    write_grid_report(options.contract.report, options.output, input.lit, resolve(contract.sums), contract,
+                      params.lookup, common);
+    result["report"] = options.contract.report;
+  }
   result["plan"] = plan_json(contract.plan, params.target, anchor_m);
   result["seconds"] = seconds;
   put_input_warnings(input, result);
@@ -98,6 +105,8 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   const bool contract = has_contract(options.contract, params);
   params.max_memory_bytes = options.contract.most_memory_bytes;
   if (!options.contract.dry_run) check_output(options.output, ".vdb", common);
+  if (!options.contract.report.empty() && !options.contract.dry_run)
+    check_output(options.contract.report, ".html", common);
 
   const auto input = load_scene_input(options.scene, options.load, options.environment, common, [&](Scene& scene) {
     if (options.bounds) params.bounds = local_box(*options.bounds, scene.anchor_m);

