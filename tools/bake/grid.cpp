@@ -133,6 +133,8 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   }
   const auto start = std::chrono::steady_clock::now();
   GridAccumulator sums = [&] {
+    Progress pilot(common, "pilot", "photons");
+    params.pilot_progress = pilot.callback();
     Progress progress(common, "baking", "photons");
     const GridFrame& frame = lattice.finest_frame();
     const std::string vertices =
@@ -216,6 +218,10 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
   command.add_flag("--direct", params.include_direct, "Store light straight from its sources too");
   add_environment_options(command, options->environment);
   add_scene_options(command, options->load);
+  command.add_choice(
+      "--emission", params.emission,
+      "Where photons are sent: where a pilot found that they come to the grid, more into dark places\n"
+      "(guided); suns and skies at its bounds (bounds) or over the whole scene (even). Means are the same");
   command.add_choice("--basis", params.basis, "Directional basis stored at each vertex");
   command.add_choice("--estimator", params.estimator,
                      "How photons count: by the length of their path in a cell (track), by the faces they cross,\n"

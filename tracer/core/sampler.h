@@ -19,6 +19,7 @@ enum class StreamPurpose : std::uint32_t {
   test = 5,
   gather = 6,
   capture = 7,
+  pilot = 8,
   domain = 16,
   truth = 17
 };

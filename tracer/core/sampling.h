@@ -32,6 +32,19 @@ inline V2f sample_disc(const V2f& u) {
   return {r * std::cos(phi), r * std::sin(phi)};
 }
 
+// The same such that squares become compact pieces of the disc of the same share of its area: Shirley & Chiu, "A Low
+// Distortion Map Between Disk and Square", Journal of Graphics Tools 2(3), 1997. u in [0, 1)^2.
+inline Imath::V2d sample_disc_compact(const Imath::V2d& u) {
+  const double a = 2 * u.x - 1;
+  const double b = 2 * u.y - 1;
+  if (a == 0 && b == 0) return {0, 0};
+  constexpr double quarter = 0.785398163397448310;  // pi / 4
+  const bool along_a = std::abs(a) > std::abs(b);
+  const double r = along_a ? a : b;
+  const double phi = along_a ? quarter * (b / a) : 2 * quarter - quarter * (a / b);
+  return {r * std::cos(phi), r * std::sin(phi)};
+}
+
 // Unit direction around +z with density cos/pi; z > 0 always.
 inline V3f sample_cosine_hemisphere(const V2f& u) {
   const V2f d = sample_disc(u);

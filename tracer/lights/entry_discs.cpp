@@ -93,10 +93,17 @@ EntryDiscs make_entry_discs(const BoundingSphere& scene, const Box3f& box,
   return discs;
 }
 
-Entry sample(const EntryDiscs& discs, const V3f& w, const ShadingFrame& frame, RandomStream& random) {
+std::vector<double> disc_shares(const EntryDiscs& discs) {
+  std::vector<double> shares = discs.shares;
+  shares.push_back(scene_share(discs));
+  return shares;
+}
+
+Entry enter(const EntryDiscs& discs, std::size_t chosen, const Imath::V2d& point, const V3f& w,
+            const ShadingFrame& frame) {
   const BoundingSphere& scene = discs.scene;
   if (discs.radii_m.empty()) {
-    const V2f disc = sample_disc(random.next2()) * scene.radius_m;
+    const V2f disc = V2f(point) * scene.radius_m;
     // Twice the radius back: clear of the sphere despite rounding.
     return {scene.center + w * (2 * scene.radius_m) + frame.x * disc.x + frame.y * disc.y,
             pi * scene.radius_m * scene.radius_m};
@@ -107,13 +114,9 @@ Entry sample(const EntryDiscs& discs, const V3f& w, const ShadingFrame& frame, R
   const V3d y_axis(frame.y);
   const V3d to_scene = V3d(scene.center) - discs.target;
   const Imath::V2d scene_middle(to_scene.dot(x_axis), to_scene.dot(y_axis));
-  double u = double(random.next());
-  std::size_t chosen = 0;
-  while (chosen < discs.shares.size() && u >= discs.shares[chosen]) u -= discs.shares[chosen++];
-  const V2f disc = sample_disc(random.next2());
   const bool of_scene = chosen == discs.shares.size();
   const double radius = of_scene ? double(scene.radius_m) : discs.radii_m[chosen];
-  Imath::V2d x(double(disc.x) * radius, double(disc.y) * radius);
+  Imath::V2d x = point * radius;
   if (of_scene) x += scene_middle;
 
   double density = 0;
@@ -128,6 +131,15 @@ Entry sample(const EntryDiscs& discs, const V3f& w, const ShadingFrame& frame, R
   const double start = std::max(discs.radii_m[0], exit_distance(discs.box, place, V3d(w)));
   const double area = meets_scene || discs.beyond_scene ? 1 / density : 0;
   return {V3f(place + V3d(w) * start), float(area)};
+}
+
+Entry sample(const EntryDiscs& discs, const V3f& w, const ShadingFrame& frame, RandomStream& random) {
+  std::size_t chosen = 0;
+  if (!discs.radii_m.empty()) {
+    double u = double(random.next());
+    while (chosen < discs.shares.size() && u >= discs.shares[chosen]) u -= discs.shares[chosen++];
+  }
+  return enter(discs, chosen, Imath::V2d(sample_disc(random.next2())), w, frame);
 }
 
 float near_area_m2(const EntryDiscs& discs) {

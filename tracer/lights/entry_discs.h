@@ -46,6 +46,12 @@ struct Entry {
 // For light from w, a unit vector; frame.x and frame.y are at right angles to it.
 Entry sample(const EntryDiscs& discs, const V3f& w, const ShadingFrame& frame, RandomStream& random);
 
+// The same piece by piece: the discs, ascending, the scene's the last, with their shares of the photons, and a point of
+// one of them, of the unit disc.
+std::vector<double> disc_shares(const EntryDiscs& discs);
+Entry enter(const EntryDiscs& discs, std::size_t disc, const Imath::V2d& point, const V3f& w,
+            const ShadingFrame& frame);
+
 // The area that a photon stands for where all discs overlap, on the target, and the largest that any stands for. Both
 // are pi R^2 where there is one disc.
 float near_area_m2(const EntryDiscs& discs);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "grid/env/latlong_map.h"
@@ -20,21 +21,38 @@ double texel_solid_angle(const EnvironmentMap& map, int row) {
   return 2 * std::numbers::pi / map.width * 2 * std::sin((row + 0.5) * step) * std::sin(0.5 * step);
 }
 
+// A point of a texel, evenly by solid angle.
+V3f direction_in(const EnvironmentMap& map, int row, int column, double u, double v) {
+  const double step = std::numbers::pi / map.height;
+  const double top = std::cos(row * step);
+  const double bottom = std::cos((row + 1) * step);
+  const double y = top + (bottom - top) * u;
+  const double s = std::sqrt(std::max(0.0, (1 - y) * (1 + y)));
+  const double phi = 2 * std::numbers::pi * ((column + v) / map.width - 0.5);  // atan2(-x, z)
+  return {float(-s * std::sin(phi)), float(y), float(s * std::cos(phi))};
+}
+
 // Texels are chosen by luminance times solid angle and directions uniformly within a texel, so the
 // density is luminance / integral of luminance, whichever texel the direction lies in.
 V3f sample_direction(const EnvironmentLight& light, RandomStream& random) {
   const EnvironmentMap& map = *light.map;
   const std::uint32_t texel = light.texels.sample(random);
-  const int row = int(texel / std::uint32_t(map.width));
-  const int column = int(texel % std::uint32_t(map.width));
   const V2f u = random.next2();
-  const double step = std::numbers::pi / map.height;
-  const double top = std::cos(row * step);
-  const double bottom = std::cos((row + 1) * step);
-  const double y = top + (bottom - top) * double(u.x);
-  const double s = std::sqrt(std::max(0.0, (1 - y) * (1 + y)));
-  const double phi = 2 * std::numbers::pi * ((column + double(u.y)) / map.width - 0.5);  // atan2(-x, z)
-  return {float(-s * std::sin(phi)), float(y), float(s * std::cos(phi))};
+  return direction_in(map, int(texel / std::uint32_t(map.width)), int(texel % std::uint32_t(map.width)), double(u.x),
+                      double(u.y));
+}
+
+// Where u of the last of ascending sums falls, and how far into the step there, 0 to 1.
+struct Inverse {
+  std::size_t index;
+  double rest;
+};
+Inverse invert(std::span<const double> before, double u) {
+  const double at = u * before.back();
+  const auto next = std::upper_bound(before.begin(), before.end() - 1, at);
+  const auto index = std::size_t(std::max<std::ptrdiff_t>(1, next - before.begin()) - 1);
+  const double width = before[index + 1] - before[index];
+  return {index, width > 0 ? std::clamp((at - before[index]) / width, 0.0, 1.0) : 0.5};
 }
 
 }  // namespace
@@ -60,6 +78,35 @@ EnvironmentLight make_environment_light(const EnvironmentMap& map) {
 }
 
 Rgb power_lm(const EnvironmentLight& light, float entry_area_m2) { return light.radiance_integral * entry_area_m2; }
+
+SkyTable make_sky_table(const EnvironmentLight& light) {
+  const EnvironmentMap& map = *light.map;
+  SkyTable table;
+  table.rows.push_back(0);
+  for (int row = 0; row < map.height; ++row) {
+    const double solid_angle = texel_solid_angle(map, row);
+    double sum = 0;
+    table.texels.push_back(0);
+    for (int column = 0; column < map.width; ++column) {
+      sum += double(luminance(map.radiance[std::size_t(row) * std::size_t(map.width) + std::size_t(column)]));
+      table.texels.push_back(sum);
+    }
+    table.rows.push_back(table.rows.back() + sum * solid_angle);
+  }
+  return table;
+}
+
+EmittedPhoton emit(const EnvironmentLight& light, const SkyTable& table, const Imath::V2d& u, const EntryDiscs& discs,
+                   std::size_t disc, const Imath::V2d& point) {
+  const Inverse row = invert(table.rows, u.x);
+  const auto width = std::size_t(light.map->width) + 1;
+  const Inverse column = invert(std::span(table.texels).subspan(row.index * width, width), u.y);
+  const V3f w = direction_in(*light.map, int(row.index), int(column.index), row.rest, column.rest);
+  const Entry entry = enter(discs, disc, point, w, make_shading_frame(w));
+  const float pdf = pdf_solid_angle(light, w);
+  const Rgb power = pdf > 0 ? eval(*light.map, w) * (entry.area_m2 / pdf) : Rgb(0, 0, 0);
+  return {entry.origin, -w, power};
+}
 
 // A direction of density p(w) and a point of the discs that face it, which stands for the area A, carry L A / p(w): the
 // same luminance for every photon through one disc.

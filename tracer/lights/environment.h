@@ -1,6 +1,8 @@
 // The environment as a light: texels chosen by luminance times solid angle.
 #pragma once
 
+#include <vector>
+
 #include "tracer/core/alias_table.h"
 #include "tracer/lights/punctual.h"
 
@@ -23,6 +25,18 @@ Rgb power_lm(const EnvironmentLight& light, float entry_area_m2);
 EmittedPhoton emit(const EnvironmentLight& light, const EntryDiscs& discs, RandomStream& random);
 // A direction in proportion to luminance; nothing where the map is black.
 std::optional<LightSample> sample(const EnvironmentLight& light, RandomStream& random);
+
+// Directions of that density as a map from the square that keeps neighbours together: u.x goes over the rows of texels,
+// u.y over those of a row.
+struct SkyTable {
+  std::vector<double> rows;    // light before each row, and in all
+  std::vector<double> texels;  // before each texel of its row
+};
+SkyTable make_sky_table(const EnvironmentLight& light);
+// One photon from that direction, by the point of the unit disc on one of the discs; powers as of emit() where u and
+// point are even.
+EmittedPhoton emit(const EnvironmentLight& light, const SkyTable& table, const Imath::V2d& u, const EntryDiscs& discs,
+                   std::size_t disc, const Imath::V2d& point);
 
 // pdf of those directions at unit w, 1/sr.
 float pdf_solid_angle(const EnvironmentLight& light, const V3f& w);

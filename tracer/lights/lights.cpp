@@ -7,10 +7,8 @@
 #include "grid/base/memory.h"
 #include "grid/env/latlong_map.h"
 #include "tracer/core/alias_table.h"
-#include "tracer/lights/environment.h"
-#include "tracer/lights/instanced_emitter.h"
+#include "tracer/lights/lights_state.h"
 #include "tracer/lights/punctual.h"
-#include "tracer/lights/triangle.h"
 
 namespace ivory {
 
@@ -54,58 +52,11 @@ std::vector<double> pick_weights(const std::vector<double>& power, const std::ve
   return weights;
 }
 
-// A light of the table other than a punctual one or the environment.
-struct Emitter {
-  int instance;
-  int light;  // among the triangles; no_index: the instance as a whole
-};
-
 // The instances of a mesh stand in the table triangle by triangle up to this many in all; beyond, each is one entry
 // and the mesh's own table chooses the triangle.
 constexpr std::size_t most_triangles_a_mesh = 4096;
 
-struct Picks {
-  AliasTable table;
-  std::vector<float> probability;  // of picking each light
-};
-
 }  // namespace
-
-struct Lights::Emission::State {
-  EntryDiscs discs;
-  Picks picks;
-  PhotonPower photon_power;
-};
-
-// Lights are numbered punctual first, then emitters by instance, then the environment.
-struct Lights::State {
-  const Scene* scene = nullptr;
-  BoundingSphere sphere;
-  std::vector<std::unique_ptr<const MeshEmission>> emissions;      // [mesh]; null for dark ones
-  std::vector<std::unique_ptr<const InstancedEmitter>> instanced;  // [mesh]; null for those not in such numbers
-  std::vector<Emitter> emitters;
-  std::vector<TriangleLight> triangles;
-  std::vector<std::vector<int>> triangle_index;  // [instance][triangle] -> emitters; empty for dark or whole instances
-  std::vector<int> instance_index;               // [instance] -> emitters, of whole instances, else no_index
-  std::optional<EnvironmentLight> environment;
-  Emission everywhere;  // without a target; its picks are sample()'s, too
-  Rgb total_power{0, 0, 0};
-
-  const Picks& picks() const { return everywhere.state_->picks; }
-  std::size_t punctual_count() const { return scene->lights.size(); }
-  std::size_t environment_index() const { return punctual_count() + emitters.size(); }
-
-  const InstancedEmitter& instanced_of(int instance) const {
-    return *instanced[std::size_t(scene->instances[std::size_t(instance)].mesh)];
-  }
-
-  Rgb power_of(const Emitter& emitter) const {
-    if (emitter.light == no_index) return power_lm(*scene, instanced_of(emitter.instance), emitter.instance);
-    return power_lm(triangles[std::size_t(emitter.light)]);
-  }
-
-  void add_emitters();
-};
 
 // In the order of instances and triangles; triangles without area or light are left out.
 void Lights::State::add_emitters() {
@@ -248,7 +199,9 @@ EmittedPhoton Lights::emit(RandomStream& random) const { return emit(state_->eve
 
 EmittedPhoton Lights::emit(const Emission& emission, RandomStream& random) const {
   const State& state = *state_;
-  const auto& [discs, picks, power] = *emission.state_;
+  const EntryDiscs& discs = emission.state_->discs;
+  const Picks& picks = emission.state_->picks;
+  if (!picks.table.empty() && emission.is_guided()) return emit_guided(emission, random);
   if (picks.table.empty()) return {state.sphere.center, V3f(0, 0, 1), Rgb(0, 0, 0)};
   const std::size_t choice = picks.table.sample(random);
   EmittedPhoton photon;

@@ -4,10 +4,12 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "tracer/core/intersector.h"
 #include "tracer/core/sampler.h"
 #include "tracer/lights/entry_discs.h"
+#include "tracer/lights/guide.h"
 
 namespace ivory {
 
@@ -59,6 +61,14 @@ class Lights {
     PhotonPower photon_power() const;
     const EntryDiscs& discs() const;
 
+    bool is_guided() const;
+    // Of guidable ones: what the guide goes by, and the guide.
+    const std::vector<GuideStratum>& strata() const;
+    const EmissionGuide& guide() const;
+    // The same by another guide of the same strata. `typical_lm`: power of most photons that count, which becomes the
+    // strongest of photon_power(); 0: as without a guide.
+    Emission guided(EmissionGuide guide, float typical_lm) const;
+
    private:
     friend class Lights;
     struct State;
@@ -66,6 +76,9 @@ class Lights {
   };
   // For that target. Suns and skies are picked by the flux that they send at it, not by that for the whole scene.
   Emission emission(const std::optional<EmissionTarget>& target) const;
+
+  // The same photons in the mean, made in a way that a guide can change; the guide that it has changes nothing.
+  Emission guidable(const Emission& emission) const;
 
   // One photon. Its power is the light's flux over the probability that it is picked with; black where nothing shines.
   EmittedPhoton emit(const Emission& emission, RandomStream& random) const;
@@ -85,6 +98,8 @@ class Lights {
   Rgb environment_radiance(const V3f& w) const;
 
  private:
+  EmittedPhoton emit_guided(const Emission& emission, RandomStream& random) const;
+
   struct State;
   std::unique_ptr<State> state_;
 };

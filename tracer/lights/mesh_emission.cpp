@@ -201,12 +201,20 @@ std::vector<std::unique_ptr<const MeshEmission>> make_mesh_emissions(const Scene
 EmissionPoint sample_point(const Scene& scene, const MeshEmission& emission, int triangle, RandomStream& random) {
   const std::span<const double> sums = sums_of(emission, triangle);
   if (sums.empty() || !(sums.back() > 0)) return {sample_triangle(random.next2()), 1};
+  const double u_row = double(random.next_u32()) * 0x1p-32;
+  const double u_cell = double(random.next_u32()) * 0x1p-32;
+  return sample_point(scene, emission, triangle, {u_row, u_cell}, random);
+}
+
+EmissionPoint sample_point(const Scene& scene, const MeshEmission& emission, int triangle, const Imath::V2d& u_point,
+                           RandomStream& random) {
+  const std::span<const double> sums = sums_of(emission, triangle);
+  if (sums.empty() || !(sums.back() > 0)) return {sample_triangle(V2f(u_point)), 1};
   const EmissionMap& map = *emission.map;
   const Mesh& mesh = scene.meshes[std::size_t(emission.mesh)];
   const TexelPolygon polygon = polygon_of(map, mesh, triangle);
   const double whole_cell = cell_area(polygon);
-  double target = double(random.next_u32()) * 0x1p-32 * sums.back();
-  const std::uint32_t u_cell = random.next_u32();
+  double target = u_point.x * sums.back();
   const float u_part = random.next();
   const V2f u = random.next2();
 
@@ -233,7 +241,7 @@ EmissionPoint sample_point(const Scene& scene, const MeshEmission& emission, int
     row = next_row;
     in_row = weight;
   }
-  target = double(u_cell) * 0x1p-32 * in_row;
+  target = u_point.y * in_row;
   int cell = 0;
   bool found = false;
   visit_row(

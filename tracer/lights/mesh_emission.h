@@ -36,6 +36,10 @@ struct EmissionPoint {
 // where rounding has moved the point to where nothing is emitted.
 EmissionPoint sample_point(const Scene& scene, const MeshEmission& emission, int triangle, RandomStream& random);
 
+// The same with the first two random numbers given, in [0, 1): points of neighbouring u lie together.
+EmissionPoint sample_point(const Scene& scene, const MeshEmission& emission, int triangle, const Imath::V2d& u,
+                           RandomStream& random);
+
 // Density of any point of the triangle.
 float point_density(const Scene& scene, const MeshEmission& emission, int triangle, const V2f& barycentric);
 

@@ -1,6 +1,7 @@
 #include "tracer/lights/punctual.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "tracer/core/sampling.h"
@@ -80,6 +81,26 @@ EmittedPhoton emit_from(const DirectionalLight& light, const EntryDiscs& discs, 
   return {entry.origin, light.direction, power_of(light, entry.area_m2)};
 }
 
+// Along the cone's axis by u.x: first the plateau, then the rising zone.
+EmittedPhoton emit_at(const SpotLight& light, const Imath::V2d& u) {
+  const SpotCone cone = cone_of(light);
+  const double plateau = plateau_integral(cone);
+  const double at = u.x * (plateau + rise_integral(cone));
+  const double risen = at < plateau ? 0 : (at - plateau) / rise_integral(cone);
+  const double x = at < plateau ? at : std::max(0.0, cone.outer - cone.rise * std::cbrt(std::max(0.0, 1 - risen)));
+  const double sine = std::sqrt(x * (2 - x));
+  const double phi = 2 * double(pi) * u.y;
+  const V3f local(float(sine * std::cos(phi)), float(sine * std::sin(phi)), float(1 - x));
+  return {light.position, make_shading_frame(light.direction).to_world(local).normalized(), power_of(light, 0)};
+}
+EmittedPhoton emit_at(const PointLight& light, const Imath::V2d& u) {
+  return {light.position, sample_sphere(V2f(u)), power_of(light, 0)};
+}
+EmittedPhoton emit_at(const DirectionalLight& light, const Imath::V2d&) {
+  assert(false);  // it has no place
+  return {V3f(0, 0, 0), light.direction, Rgb(0, 0, 0)};
+}
+
 std::optional<LightSample> sample_from(const V3f& position, const Rgb& intensity, const V3f& p) {
   const V3f d = position - p;
   const float r2 = d.dot(d);
@@ -111,6 +132,15 @@ Rgb power_lm(const PunctualLight& light, float entry_area_m2) {
 
 EmittedPhoton emit(const PunctualLight& light, const EntryDiscs& discs, RandomStream& random) {
   return std::visit([&](const auto& l) { return emit_from(l, discs, random); }, light);
+}
+
+EmittedPhoton emit(const PunctualLight& light, const Imath::V2d& u) {
+  return std::visit([&](const auto& l) { return emit_at(l, u); }, light);
+}
+
+EmittedPhoton emit(const DirectionalLight& light, const EntryDiscs& discs, std::size_t disc, const Imath::V2d& point) {
+  const Entry entry = enter(discs, disc, point, -light.direction, make_shading_frame(light.direction));
+  return {entry.origin, light.direction, power_of(light, entry.area_m2)};
 }
 
 std::optional<LightSample> sample(const PunctualLight& light, const V3f& p) {

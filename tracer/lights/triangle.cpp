@@ -36,20 +36,41 @@ Rgb power_lm(const TriangleLight& light) {
   return light.mean_radiance * (pi * light.area_m2 * (light.double_sided ? 2.0F : 1.0F));
 }
 
+namespace {
+
 // A point of density d times a uniform one's (pdf d/A) and a cosine-distributed direction (pdf cos/pi) on a uniformly
 // chosen side (1/sides) carry L cos / pdf = L pi A sides / d.
-EmittedPhoton emit(const Scene& scene, const TriangleLight& light, RandomStream& random) {
-  const EmissionPoint point = sample_point(scene, *light.emission, light.triangle, random);
+EmittedPhoton photon_from(const Scene& scene, const TriangleLight& light, const EmissionPoint& point, bool back,
+                          const V3f& local) {
   const V2f& b = point.barycentric;
-  const float u_side = random.next();
-  const V3f n = light.double_sided && u_side < 0.5F ? -light.ng : light.ng;
-  const V3f direction = make_shading_frame(n).to_world(sample_cosine_hemisphere(random.next2())).normalized();
+  const V3f n = back ? -light.ng : light.ng;
+  const V3f direction = make_shading_frame(n).to_world(local).normalized();
   const V3f p = light.vertex + light.edge1 * b.x + light.edge2 * b.y;
   const Rgb radiance = point.density > 0
                            ? covered_emission_at(scene, light.emission->mesh, light.triangle, b) / point.density
                            : Rgb(0, 0, 0);
   return {offset_origin(p, light.ng, direction, light.reach_m), direction,
           radiance * (pi * light.area_m2 * (light.double_sided ? 2.0F : 1.0F))};
+}
+
+}  // namespace
+
+EmittedPhoton emit(const Scene& scene, const TriangleLight& light, RandomStream& random) {
+  const EmissionPoint point = sample_point(scene, *light.emission, light.triangle, random);
+  const bool back = random.next() < 0.5F && light.double_sided;
+  return photon_from(scene, light, point, back, sample_cosine_hemisphere(random.next2()));
+}
+
+EmittedPhoton emit(const Scene& scene, const TriangleLight& light, const Imath::V2d& u_point,
+                   const Imath::V2d& u_direction, RandomStream& random) {
+  const EmissionPoint point = sample_point(scene, *light.emission, light.triangle, u_point, random);
+  Imath::V2d u = u_direction;
+  const bool back = light.double_sided && u.x < 0.5;
+  if (light.double_sided) u.x = 2 * u.x - (back ? 0 : 1);
+  const Imath::V2d d = sample_disc_compact(u);
+  // Never along the surface: where u is at the rim, d's length may round to one.
+  const V3f local(float(d.x), float(d.y), float(std::sqrt(std::max(0x1p-24, 1 - d.dot(d)))));
+  return photon_from(scene, light, point, back, local);
 }
 
 namespace {

@@ -31,6 +31,11 @@ Rgb power_lm(const TriangleLight& light);
 // One photon from a point of sample_point(), whose mean power is the light's flux.
 EmittedPhoton emit(const Scene& scene, const TriangleLight& light, RandomStream& random);
 
+// The same as a map of two squares, of the point and of the direction, that keeps neighbours together; the rest of a
+// textured point's place is random.
+EmittedPhoton emit(const Scene& scene, const TriangleLight& light, const Imath::V2d& u_point,
+                   const Imath::V2d& u_direction, RandomStream& random);
+
 // Such a point of the triangle as seen from p; nothing from a side that does not emit.
 std::optional<LightSample> sample(const Scene& scene, const TriangleLight& light, const V3f& p, RandomStream& random);
 

@@ -26,6 +26,15 @@ float shading_normal_correction(const Bsdf& bsdf, const V3f& wo, const V3f& wi) 
   return numerator >= bound * denominator ? bound : numerator / denominator;
 }
 
+// How many pieces of a photon are sent at the box: a whole number, or the odds of one. `reflected_lm` goes about evenly
+// into the half space.
+float pieces_to_send(const PhotonAim& aim, const AimedBox& box, float reflected_lm) {
+  if (!(aim.sought_lm > 0)) return 1;
+  const float pieces = reflected_lm * box.solid_angle / pi / aim.sought_lm;
+  if (pieces < 1) return std::max(pieces, PhotonWindow::least_odds);
+  return std::floor(std::min(pieces, float(PhotonWindow::most_pieces)));
+}
+
 }  // namespace
 
 PhotonLedger& PhotonLedger::operator+=(const PhotonLedger& other) {
@@ -39,7 +48,7 @@ PhotonLedger& PhotonLedger::operator+=(const PhotonLedger& other) {
 }
 
 PhotonTracer::PhotonTracer(const LitScene& lit, const PhotonParams& params)
-    : lit_(lit), params_(params), emission_(lit.lights.emission(params.target)) {
+    : lit_(lit), params_(params), emission_(params.emission ? *params.emission : lit.lights.emission(params.target)) {
   // A photon carries about the total power; 2^-20 of it leaves 2^40 photons to the integers. Past the scene's sphere
   // more enters than the lights' power for the scene says.
   const Rgb power = lit.lights.total_power_lm();
@@ -57,17 +66,27 @@ void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLed
     return static_cast<std::int64_t>((double(power.x) + double(power.y) + double(power.z)) * units_a_lm + 0.5);
   };
 
+  // A photon under way, or a piece of one.
+  struct Piece {
+    Ray ray;
+    Rgb power;
+    std::int64_t carried;
+    int bounce;
+    int pieces;  // that its photon was split into on the way here
+  };
+  std::vector<Piece> waiting;  // the last first: the order of random numbers is that of the path alone
   for (std::uint64_t index = begin; index < end; ++index) {
-    RandomStream random(params_.seed, StreamPurpose::photon, index);
+    RandomStream random(params_.seed, params_.purpose, index);
     const EmittedPhoton photon = lit_.lights.emit(emission_, random);
-    Ray ray{.origin = photon.origin, .direction = photon.direction};
-    Rgb power = photon.power;
-    std::int64_t carried = units(power);
-    ledger.emitted += carried;
+    const std::int64_t emitted = units(photon.power);
+    ledger.emitted += emitted;
     ++ledger.photons;
-    if (is_black(power)) continue;
+    if (is_black(photon.power)) continue;
+    waiting.push_back({Ray{.origin = photon.origin, .direction = photon.direction}, photon.power, emitted, 0, 1});
 
-    for (int bounce = 0;; ++bounce) {
+    while (!waiting.empty()) {
+      auto [ray, power, carried, bounce, pieces] = waiting.back();
+      waiting.pop_back();
       if (lit_.intersector.has_coverage()) ray.coverage_seed = random.next_u32();
       const float jitter = random.next();
       const std::optional<Hit> hit = lit_.intersector.closest(ray);
@@ -76,37 +95,79 @@ void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLed
       if (counts) segment(ray, hit, power, jitter);
       if (!hit) {
         ledger.escaped += carried;
-        break;
+        continue;
       }
       const Surface surface = make_surface(scene, ray, *hit);
       if (counts) arrival(surface, power);
       if (bounce == params_.max_bounces) {
         ledger.terminated += carried;
-        break;
+        continue;
+      }
+
+      int copies = 1;
+      if (params_.window) {
+        const float sought_lm = params_.window->at(surface.p, surface.ng);
+        const float ratio = sought_lm > 0 ? max_component(power) / sought_lm : 1.0F;
+        if (ratio >= PhotonWindow::split_above) {
+          copies = std::min(
+              {int(std::min(ratio, 1000.0F)), PhotonWindow::most_pieces, PhotonWindow::most_pieces_a_photon / pieces});
+          copies = std::max(copies, 1);
+          power /= float(copies);
+          pieces *= copies;
+        } else if (ratio < PhotonWindow::lot_below) {
+          const float odds = std::max(2 * ratio, PhotonWindow::least_odds);
+          if (random.next() >= odds) {
+            ledger.absorbed += carried;
+            continue;
+          }
+          power /= odds;
+          const std::int64_t left = units(power);
+          ledger.absorbed += carried - left;
+          carried = left;
+        }
       }
 
       const Bsdf bsdf = make_bsdf(surface);
       const V3f wo = -ray.direction;
-      const float u_lobe = is_lambertian(bsdf) ? 0.0F : random.next();
-      const float u_survive = random.next();
-      const std::optional<BsdfSample> scattered = sample(bsdf, wo, u_lobe, random.next2());
-      if (!scattered) {
-        ledger.absorbed += carried;
-        break;
+      const AimedBox box = params_.aim ? aim(*params_.aim, surface.p) : AimedBox{};
+      float sent = 0;
+      if (box.area_m2 > 0) {
+        const Rgb reflected = power * (bsdf.diffuse_albedo + bsdf.f0);
+        sent = pieces_to_send(*params_.aim, box, max_component(reflected));
+        if (sent * float(pieces) > float(PhotonWindow::most_pieces_a_photon)) sent = PhotonWindow::least_odds;
       }
-      // Russian roulette with the strongest channel of the throughput as the odds of going on: that
-      // channel's power stays level, so that every segment is worth its deposit.
-      const Rgb throughput = scattered->throughput * shading_normal_correction(bsdf, wo, scattered->wi);
-      const float survival = std::min(1.0F, max_component(throughput));
-      if (u_survive >= survival) {
-        ledger.absorbed += carried;
-        break;
+      const auto go_on = [&](const V3f& wi, const Rgb& throughput, float survival, int of) {
+        const Rgb on = power * throughput / survival;
+        const std::int64_t left = units(on);
+        ledger.absorbed -= left;
+        waiting.push_back({spawn_ray(surface, wi), on, left, bounce + 1, of});
+      };
+      ledger.absorbed += carried;
+      for (int copy = 0; copy < copies; ++copy) {
+        const float u_lobe = is_lambertian(bsdf) ? 0.0F : random.next();
+        const float u_survive = random.next();
+        std::optional<BsdfSample> scattered = sample(bsdf, wo, u_lobe, random.next2());
+        if (!scattered) continue;
+        if (sent > 0) {
+          const float own = scattered->pdf_solid_angle;
+          scattered->throughput *= own / (own + sent * pdf_solid_angle(*params_.aim, box, scattered->wi));
+        }
+        // Russian roulette with the strongest channel of the throughput as the odds of going on: that
+        // channel's power stays level, so that every segment is worth its deposit.
+        const Rgb throughput = scattered->throughput * shading_normal_correction(bsdf, wo, scattered->wi);
+        const float survival = std::min(1.0F, max_component(throughput));
+        if (u_survive < survival) go_on(scattered->wi, throughput, survival, pieces);
       }
-      power = power * throughput / survival;
-      const std::int64_t left = units(power);
-      ledger.absorbed += carried - left;
-      carried = left;
-      ray = spawn_ray(surface, scattered->wi);
+      if (sent == 0 || (sent < 1 && random.next() >= sent)) continue;
+      const int whole = std::max(1, int(sent));
+      for (int i = 0; i < whole * copies; ++i) {
+        const float u_face = random.next();
+        const V3f wi = sample(*params_.aim, box, u_face, random.next2());
+        const BsdfValue value = eval_with_pdf(bsdf, wo, wi);
+        const float density = value.pdf_solid_angle + sent * pdf_solid_angle(*params_.aim, box, wi);
+        if (is_black(value.value) || !(density > 0)) continue;
+        go_on(wi, value.value / density * shading_normal_correction(bsdf, wo, wi), 1, pieces * whole);
+      }
     }
   }
 }

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "tracer/core/lit_scene.h"
+#include "tracer/render/photon_aim.h"
+#include "tracer/render/photon_window.h"
 
 namespace ivory {
 
@@ -28,11 +31,17 @@ struct PhotonParams {
   int max_bounces = 1000;       // Russian roulette ends paths long before; this bounds the time in a mirror box
   bool include_direct = false;  // also segments and arrivals that come straight from a light
   std::uint64_t seed = 1;
-  std::optional<EmissionTarget> target = std::nullopt;  // where they are asked for; none: everywhere
+  std::optional<EmissionTarget> target = std::nullopt;      // where they are asked for; none: everywhere
+  std::optional<Lights::Emission> emission = std::nullopt;  // how they are sent; none: by `target`
+  std::shared_ptr<const PhotonWindow> window = nullptr;     // what they should carry; null: whatever they do
+  std::optional<PhotonAim> aim = std::nullopt;              // where to scatter to; none: nowhere in particular
+  StreamPurpose purpose = StreamPurpose::photon;            // whose random numbers they are made of
 };
 
 // Where the power went, per photon traced, in units of `unit_lm` summed over rgb. Integers, so that
-// ranges of photons add up exactly: emitted == absorbed + escaped + terminated, to the unit.
+// ranges of photons add up exactly: emitted == absorbed + escaped + terminated, to the unit. What Russian roulette ends
+// is absorbed; what a PhotonWindow's lot ends is, too, and what it adds to survivors is taken off it: each is right in
+// the mean, and pieces of a split photon share its units.
 struct PhotonLedger {
   std::int64_t emitted = 0;
   std::int64_t absorbed = 0;

@@ -18,6 +18,7 @@
 #include "tracer/bake/field/kept_vertices.h"
 #include "tracer/bake/field/lit_vertices.h"
 #include "tracer/bake/field/photon_deposit.h"
+#include "tracer/bake/field/pilot.h"
 #include "tracer/bake/field/scene_lattice.h"
 #include "tracer/bake/field/vertex_visibility.h"
 #include "tracer/render/photon_tracer.h"
@@ -47,7 +48,7 @@ std::string text_of(const std::vector<Box3f>& boxes, const V3d& anchor) {
 }
 
 Metadata describe(const Scene& scene, const GridBakeParams& params, const Lattice& lattice, std::uint64_t photons,
-                  const SumLayout& layout, const Lights::Emission& emission) {
+                  const SumLayout& layout, const Pilot& pilot) {
   Metadata m;
   m["method"] = std::string("irradiance grid");
   m["basis"] = std::string(name_of(params.basis));
@@ -75,6 +76,14 @@ Metadata describe(const Scene& scene, const GridBakeParams& params, const Lattic
   }
   m["units"] = std::string("lux");
   m["sum_slots"] = static_cast<std::int64_t>(layout.slots);
+  m["emission"] = std::string(name_of(params.emission));
+  m["pilot_photons"] = static_cast<std::int64_t>(pilot.photons);
+  if (pilot.photons != 0) {
+    m["pilot_reach_unguided"] = pilot.reach_before;
+    m["pilot_reach_guided"] = pilot.reach_after;
+    m["pilot_cells"] = static_cast<std::int64_t>(pilot.emission.is_guided() ? pilot.emission.guide().cells() : 0);
+  }
+  const Lights::Emission& emission = pilot.emission;
   if (const std::vector<double>& radii_m = emission.discs().radii_m; !radii_m.empty()) {
     std::string text;
     for (const double radius_m : radii_m) text += fmt::format("{}{:.6g}", text.empty() ? "" : " ", radius_m);
@@ -172,10 +181,11 @@ GridFrame default_frame(const Scene& scene, const GridBakeParams& params) {
   return frame;
 }
 
-EmissionTarget emission_target(const GridFrame& frame, const GridBakeParams& params) {
+std::optional<EmissionTarget> emission_target(const GridFrame& frame, const GridBakeParams& params) {
+  if (params.emission == EmissionMode::even) return std::nullopt;
   const V3f size = V3f(frame.size);
-  return {frame.to_world((size - V3f(1, 1, 1)) * 0.5F), (size * frame.spacing_m).length() * 0.5F,
-          params.include_direct};
+  return EmissionTarget{frame.to_world((size - V3f(1, 1, 1)) * 0.5F), (size * frame.spacing_m).length() * 0.5F,
+                        params.include_direct};
 }
 
 namespace {
@@ -300,10 +310,22 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
   }
   std::vector<float> visible_fraction = visible_fractions(masks);
   std::vector<GuardRecord> guard;
+  const Lights::Emission unguided = lit.lights.emission(emission_target(lattice.finest_frame(), params));
+  Pilot pilot{unguided, nullptr, std::nullopt};
+  if (params.emission == EmissionMode::guided) {
+    pilot = run_pilot(lit, lattice.finest_frame(), unguided,
+                      {.photons = params.pilot_for_photons != 0 ? params.pilot_for_photons : photons,
+                       .max_bounces = params.max_bounces,
+                       .include_direct = params.include_direct,
+                       .seed = params.seed,
+                       .progress = params.pilot_progress});
+  }
   const PhotonTracer tracer(lit, {.max_bounces = params.max_bounces,
                                   .include_direct = params.include_direct,
                                   .seed = params.seed,
-                                  .target = emission_target(lattice.finest_frame(), params)});
+                                  .emission = pilot.emission,
+                                  .window = pilot.window,
+                                  .aim = pilot.aim});
   if (params.guard != Guard::off) {
     const std::uint64_t scouts = std::min(photons, scout_photons_a_vertex * vertices);
     const std::vector<bool> reached = lit_vertices(tracer, lattice, masks, scouts);
@@ -311,9 +333,11 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
   }
 
   const Lights::PhotonPower power = tracer.emission().photon_power();
+  // As affordable_threads() reckoned before there was a guide: most photons are near the strongest.
+  const int fine = fine_bits(unguided.photon_power());
   DepositTarget target =
-      make_deposit_target(lattice, params.basis, params.estimator, power.strongest_lm, std::move(masks),
-                          fine_bits(power), power.heaviest_lm, choose_buffers(vertices, layout, fine_bits(power)));
+      make_deposit_target(lattice, params.basis, params.estimator, power.strongest_lm, std::move(masks), fine,
+                          power.heaviest_lm, choose_buffers(vertices, layout, fine));
   struct Worker {
     PhotonDepositor depositor;
     std::vector<PhotonSegment> segments;
@@ -361,7 +385,7 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
   result.counters = {{"ledger_emitted", ledger.emitted}, {"ledger_absorbed", ledger.absorbed},
                      {"ledger_escaped", ledger.escaped}, {"ledger_terminated", ledger.terminated},
                      {"photons_traced", ledger.photons}, {"rays_traced", ledger.rays}};
-  result.metadata = describe(scene, params, result, photons, layout, tracer.emission());
+  result.metadata = describe(scene, params, result, photons, layout, pilot);
   result.metadata["ledger_unit_lm"] = tracer.ledger_unit_lm();
   return result;
 }

@@ -5,10 +5,21 @@
 #include <optional>
 #include <utility>
 
+#include "grid/base/names.h"
 #include "grid/field/accumulator.h"
 #include "tracer/core/lit_scene.h"
 
 namespace ivory {
+
+// Where photons are sent.
+enum class EmissionMode {
+  guided,  // where a pilot found that they come to the grid; dark places get more of them
+  bounds,  // suns and skies at the grid's bounds, lamps all around
+  even,    // suns and skies over the whole scene, lamps all around
+};
+template <>
+inline constexpr auto name_table<EmissionMode> = make_name_table<EmissionMode>(
+    "emission", {{EmissionMode::guided, "guided"}, {EmissionMode::bounds, "bounds"}, {EmissionMode::even, "even"}});
 
 struct GridBakeParams {
   std::optional<GridFrame> frame = std::nullopt;     // places the grid by hand; none: default_frame()
@@ -28,11 +39,17 @@ struct GridBakeParams {
   Estimator estimator = Estimator::track;
   Guard guard = Guard::rays;  // planes and rays store the compact guard; off stores and applies none
   bool include_direct = false;
+  EmissionMode emission = EmissionMode::guided;  // changes no mean
+  // How many photons the pilot of a guided bake is made for; 0: `photons`. Bakes that differ in nothing but `photons`
+  // and their ranges have the same pilot where this is given, and their parts may be merged.
+  std::uint64_t pilot_for_photons = 0;
   std::uint64_t seed = 1;
   int threads = 0;                     // 0: all cores
   std::uint64_t max_memory_bytes = 0;  // 0: three quarters of the machine's
   std::function<void(std::uint64_t done, std::uint64_t total)> progress =
       nullptr;  // photons; called from any thread, one at a time
+  std::function<void(std::uint64_t done, std::uint64_t total)> pilot_progress =
+      nullptr;  // the same of the pilot, before
 };
 
 // Where the grid lies: it tiles `bounds`, or those of the scene along the grid's axes, exactly by `resolution` or,
@@ -46,8 +63,8 @@ GridFrame default_frame(const Scene& scene, const GridBakeParams& params);
 // params.dynamic_regions too. Throws as they do, and Error where its tables do not fit into params.max_memory_bytes.
 Lattice default_lattice(const Scene& scene, const GridBakeParams& params);
 
-// The sphere around the grid's cells, which photons are sent to.
-EmissionTarget emission_target(const GridFrame& frame, const GridBakeParams& params);
+// The sphere around the grid's cells, which photons are sent to; none where they are to be sent evenly.
+std::optional<EmissionTarget> emission_target(const GridFrame& frame, const GridBakeParams& params);
 
 // What baking that grid takes on so many threads; less where no light is so much weaker than another that its photons
 // need sums of a finer unit.
