@@ -6,8 +6,10 @@
 
 #include "grid/base/anchor.h"
 #include "grid/base/error.h"
+#include "grid/field/resolve.h"
 #include "grid/io/vdb/vdb.h"
 #include "tools/bake/grid_contract.h"
+#include "tools/bake/grid_report.h"
 #include "tools/bake/grid_result.h"
 #include "tools/cli/box.h"
 #include "tools/cli/commands.h"
@@ -75,7 +77,13 @@ void run_contract(const BakeGridOptions& options, const GridBakeParams& bake, co
   for (const auto& [key, value] : input.origin) contract.sums.metadata[key] = value;
   contract.sums.metadata["version"] = std::string(IVORY_VERSION);
   keep_contract(contract, options.contract);
+  std::optional<IrradianceGrid> for_report;
+  if (!options.contract.report.empty() && contract.certificate) for_report = resolve(contract.sums);
   auto result = write_result(options.output, std::move(contract.sums), /*finished=*/true, common);
+  if (for_report) {
+    write_grid_report(options.contract.report, options.output, input.lit, *for_report, contract, params.lookup, common);
+    result["report"] = options.contract.report;
+  }
   result["plan"] = plan_json(contract.plan, params.target, anchor_m);
   result["seconds"] = seconds;
   put_input_warnings(input, result);
@@ -100,21 +108,24 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
     throw UsageError("--levels refines the spacing that --voxel-size or --resolution asks for: give one, and photons");
   params.max_memory_bytes = options.contract.most_memory_bytes;
   if (!options.contract.dry_run) check_output(options.output, ".vdb", common);
+  if (!options.contract.report.empty() && !options.contract.dry_run)
+    check_output(options.contract.report, ".html", common);
 
   const auto input = load_scene_input(options.scene, options.load, options.environment, common, [&](Scene& scene) {
     if (options.bounds) params.bounds = local_box(*options.bounds, scene.anchor_m);
     if (!options.dynamic.empty()) params.dynamic_regions.emplace();
     for (const Imath::Box3d& region : regions) params.dynamic_regions->push_back(local_box(region, scene.anchor_m));
-    if (contract && !params.resolution && !params.voxel_size_m) return;
     // Before what takes time is built of the scene.
     const Lattice placed = default_lattice(scene, params);
+    check_estimator(placed, params.estimator);
+    check_voxels(options.output, placed.finest_frame());
+    // What a contract chooses has about that spacing, and memory bounds it.
+    if (contract && !params.resolution && !params.voxel_size_m) return;
+    check_grid_memory(scene, placed, params);
     if (contract)
       params.frame = placed.frame;
     else
       params.lattice = placed;
-    check_estimator(placed, params.estimator);
-    check_grid_memory(scene, placed, params);
-    check_voxels(options.output, placed.finest_frame());
   });
   if (contract) return run_contract(options, params, input, common);
   const Lattice& lattice = *params.lattice;

@@ -102,6 +102,11 @@ void add_grid_contract_options(Command command, GridContractOptions& options) {
                   "Where the error counts: columns x,y,z (metres), nx,ny,nz and, if you like, weight")
       .type_name("P.csv")
       .group(group);
+  command
+      .add_option("--report", options.report,
+                  "A page of the measured error: what it is made of, pictures of where it is, the worst places")
+      .type_name("OUT.html")
+      .group(group);
 }
 
 bool has_contract(const GridContractOptions& options, const GridBakeParams& bake) {

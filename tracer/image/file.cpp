@@ -47,12 +47,7 @@ void write_pixels(const std::string& path, int width, int height, PixelType type
 
 }  // namespace
 
-void write_image(const std::string& path, const Film& film, float exposure_stops, const Metadata& metadata,
-                 bool force) {
-  if (is_linear_image(path)) {
-    write_pixels(path, film.width, film.height, PixelType::float32, &film.pixels.front().x, metadata, force);
-    return;
-  }
+std::vector<float> display_values(const Film& film, float exposure_stops) {
   std::vector<float> display;
   const float scale = std::exp2(exposure_stops);
   display.reserve(film.pixels.size() * 3);
@@ -60,6 +55,16 @@ void write_image(const std::string& path, const Film& film, float exposure_stops
     const Rgb mapped = tone_map(pixel * scale);
     for (int c = 0; c < 3; ++c) display.push_back(srgb_from_linear(std::clamp(mapped[c], 0.0F, 1.0F)));
   }
+  return display;
+}
+
+void write_image(const std::string& path, const Film& film, float exposure_stops, const Metadata& metadata,
+                 bool force) {
+  if (is_linear_image(path)) {
+    write_pixels(path, film.width, film.height, PixelType::float32, &film.pixels.front().x, metadata, force);
+    return;
+  }
+  const std::vector<float> display = display_values(film, exposure_stops);
   write_pixels(path, film.width, film.height, PixelType::float32, display.data(), metadata, force);
 }
 

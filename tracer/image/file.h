@@ -23,6 +23,9 @@ void check_image_name(const std::string& path);
 // the file exists and not `force`, cannot be written, or its format is unknown.
 void write_image(const std::string& path, const Film& film, float exposure_stops, const Metadata& metadata, bool force);
 
+// What write_image() puts into the others before it is rounded: height x width x 3, sRGB from 0 to 1.
+std::vector<float> display_values(const Film& film, float exposure_stops);
+
 // 8-bit display values, sRGB.
 struct DisplayImage {
   int width = 0;

@@ -46,9 +46,10 @@ struct GridBakeParams {
   std::uint64_t seed = 1;
   int threads = 0;                     // 0: all cores
   std::uint64_t max_memory_bytes = 0;  // 0: three quarters of the machine's
-  std::function<void(std::uint64_t done, std::uint64_t total)>
-      progress;  // photons; called from any thread, one at a time
-  std::function<void(std::uint64_t done, std::uint64_t total)> pilot_progress;  // the same of the pilot, before
+  std::function<void(std::uint64_t done, std::uint64_t total)> progress =
+      nullptr;  // photons; called from any thread, one at a time
+  std::function<void(std::uint64_t done, std::uint64_t total)> pilot_progress =
+      nullptr;  // the same of the pilot, before
 };
 
 // Where the grid lies: it tiles `bounds`, or those of the scene along the grid's axes, exactly by `resolution` or,

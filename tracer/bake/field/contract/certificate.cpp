@@ -54,6 +54,13 @@ void measure(const LitScene& lit, const IrradianceGrid& grid, const Domain& doma
   into.next = found.next;
 }
 
+void balance(std::vector<MeasuredPoint>& points) {
+  std::vector<DomainPoint*> at;
+  for (MeasuredPoint& p : points) at.push_back(&p.point.at);
+  balance_weights(at);
+  for (MeasuredPoint& p : points) p.sample.weight = p.point.at.weight;
+}
+
 std::vector<ErrorSample> samples_of(const std::vector<MeasuredPoint>& points) {
   std::vector<ErrorSample> samples;
   for (const MeasuredPoint& p : points) samples.push_back(p.sample);
@@ -98,7 +105,8 @@ std::string describe(const FieldCertificate& certificate, const Domain& domain, 
   } else if (on_surface == 0) {
     where = fmt::format("{} lit points of free space", in_space);
   } else {
-    where = fmt::format("{} lit surface points and {} of free space", on_surface, in_space);
+    where =
+        fmt::format("{} lit surface points, which count three quarters, and {} of free space", on_surface, in_space);
   }
   return fmt::format("RMS of E over {}, three channels, ÷ mean E there; read with guard {}, {}; {} paths a point",
                      where, std::string(name_of(lookup.guard)), std::string(name_of(lookup.interpolation)),
@@ -200,6 +208,7 @@ std::optional<FieldCertificate> certify(const LitScene& lit, const IrradianceGri
   };
   constexpr double first_points = 512;
   measure(lit, grid, domain, given ? domain.size() : affordable(first_points), out.paths_a_point, params, measured);
+  if (!given) balance(measured.points);
   if (measured.points.size() < 2) return std::nullopt;
   out.interval = root_mean_square(samples_of(measured.points));
   out.mean_e_lux = mean_over(measured.points, [](const MeasuredPoint& p) { return p.sample.value; });
@@ -214,10 +223,11 @@ std::optional<FieldCertificate> certify(const LitScene& lit, const IrradianceGri
     const std::size_t wanted = affordable(have * std::pow(se / aim, 2));
     if (wanted > measured.points.size()) {
       measure(lit, grid, domain, wanted - measured.points.size(), out.paths_a_point, params, measured);
-      out.interval = root_mean_square(samples_of(measured.points));
-      out.mean_e_lux = mean_over(measured.points, [](const MeasuredPoint& p) { return p.sample.value; });
     }
   }
+  if (!given) balance(measured.points);
+  out.interval = root_mean_square(samples_of(measured.points));
+  out.mean_e_lux = mean_over(measured.points, [](const MeasuredPoint& p) { return p.sample.value; });
   out.points = std::move(measured.points);
   out.dark_points = measured.dark.size();
 
@@ -226,7 +236,7 @@ std::optional<FieldCertificate> certify(const LitScene& lit, const IrradianceGri
   parts["noise"] = share(mean_over(out.points, [](const MeasuredPoint& p) { return mean_of(p.reading.noise); }));
   parts["unseen"] =
       share(mean_over(out.points, [](const MeasuredPoint& p) { return p.reading.unseen ? p.sample.square : 0; }));
-  if (grid.light == StoredLight::indirect) {
+  if (params.directions && grid.light == StoredLight::indirect) {
     const DirectionErrors errors = direction_errors(lit, out.points, grid.frame, out.mean_e_lux, params.truth);
     out.direction_vectors = errors.vectors;
     out.direction_vectors9 = errors.vectors9;

@@ -57,10 +57,11 @@ ErrorSample error_sample(const TruePoint& point, const V3d& read);
 struct CertificateParams {
   double target = 0;  // 0: nothing was asked for
   LookupParams lookup{.guard = Guard::rays};
-  TruthParams truth;
+  TruthParams truth{};
   std::uint64_t first_point = 0;  // of the domain; those before it had their part in something else
-  double precision = 0.07;        // standard error aimed at, as a share of the error (or of half the target)
-  std::size_t most_points = 8192;
+  double precision = 0.08;        // standard error aimed at, as a share of the error (or of half the target)
+  std::size_t most_points = 3072;
+  bool directions = true;  // measure what the basis makes of directions, too
   std::uint64_t most_paths = 32'000'000;
 };
 

@@ -28,8 +28,10 @@ constexpr std::uint64_t planning_points_from = std::uint64_t(1) << 48U;
 constexpr std::uint64_t points_a_round = std::uint64_t(1) << 36U;
 constexpr std::size_t planning_points = 384;
 constexpr int coarsest_layers = 8;  // of the first pilot
-constexpr double pilot_photons_a_vertex = 12;
+// A pilot's noise is to be no more than its bias, or than what is aimed at: then the bias is told from it.
 constexpr double least_pilot_photons = 64'000;
+constexpr double least_pilot_photons_a_vertex = 8;
+constexpr double most_pilot_photons_a_vertex = 256;
 constexpr int most_rounds = 4;
 // Predictions are off by a tenth as a rule, and so is the measurement of what was reached.
 constexpr double aim_of_target = 0.88;
@@ -56,6 +58,13 @@ GridFrame covering_frame(const Scene& scene, GridBakeParams params) {
   params.voxel_size_m.reset();
   params.resolution = V3i(2, 2, 2);
   return default_frame(scene, params);
+}
+
+GridAccumulator merged(GridAccumulator first, GridAccumulator second) {
+  std::vector<GridAccumulator> two;
+  two.push_back(std::move(first));
+  two.push_back(std::move(second));
+  return merge(std::move(two), {"the photons at hand", "those added to them"});
 }
 
 struct Candidate {
@@ -117,11 +126,20 @@ class Planner {
     }
     for (out.rounds = 1;; ++out.rounds) {
       bake_chosen();
+      // The points of the plan see at no cost what is plainly not enough: certificates are for what may be.
+      if (out.rounds < most_rounds && improve(error_at_planning_points())) continue;
       note(fmt::format("measuring the error against path tracing"));
       out.certificate = certificate(out.rounds);
       if (!out.certificate) break;
       const FieldCertificate& measured = *out.certificate;
-      if (measured.interval.error <= params_.target || out.rounds == most_rounds || !improve(measured)) break;
+      const auto part = [&](const char* name) {
+        return measured.summary.parts.contains(name) ? measured.summary.parts.at(name) : 0.0;
+      };
+      if (out.rounds == most_rounds || !improve({measured.interval.error, part("noise")})) break;
+    }
+    if (out.certificate && out.certificate->interval.error > params_.target && out.plan.limited_by.empty()) {
+      const std::string limit = what_limits();
+      out.plan.limited_by = limit.empty() ? "predictions that promised too much" : limit;
     }
     out.sums = std::move(*sums_);
     return out;
@@ -200,8 +218,15 @@ class Planner {
     }
   }
 
-  static double pilot_photons(const GridFrame& frame) {
-    return std::max(least_pilot_photons, pilot_photons_a_vertex * double(frame.vertex_count()));
+  double pilot_photons(const GridFrame& frame) const {
+    const double vertices = double(frame.vertex_count());
+    const double least = std::max(least_pilot_photons, least_pilot_photons_a_vertex * vertices);
+    if (pilots_.empty()) return least;
+    const ErrorModel model = fit_errors(pilots_, 0);
+    const double spacing_m = spacing_of(frame);
+    const double noise = std::max(model.bias(spacing_m), aim_of_target * params_.target);
+    const double photons = model.noise_photons / std::pow(noise * spacing_m, 2);
+    return std::clamp(photons, least, std::max(least, most_pilot_photons_a_vertex * vertices));
   }
 
   GridBakeParams pilot_params(double layers) const {
@@ -225,12 +250,25 @@ class Planner {
     return 2 * costs_.seconds(double(frame.vertex_count()), layers_of(frame), pilot_photons(frame) / 2);
   }
 
+  void pilot(double layers) {
+    const GridBakeParams bake = pilot_params(layers);
+    const double photons = pilot_photons(*bake.frame);
+    PilotErrors errors = pilot(bake, photons);
+    // The first one's photons are a guess.
+    constexpr double too_much = 1.5;
+    constexpr double most_times = 32;
+    if (const double noise = std::max(errors.bias, aim_of_target * params_.target);
+        pilots_.empty() && errors.noise > too_much * noise) {
+      errors = pilot(bake, photons * std::min(most_times, std::pow(errors.noise / noise, 2)));
+    }
+    pilots_.push_back(errors);
+  }
+
   // Two halves of its photons tell the grid's bias, (a - E)(b - E), and the noise of both together, (a - b)^2 / 4,
   // without a model of either.
-  void pilot(double layers) {
-    GridBakeParams bake = pilot_params(layers);
+  PilotErrors pilot(GridBakeParams bake, double photons_wanted) {
     const GridFrame frame = *bake.frame;
-    const auto photons = std::uint64_t(pilot_photons(frame)) / 2 * 2;
+    const auto photons = std::uint64_t(photons_wanted) / 2 * 2;
     const auto start = Clock::now();
     bake.photons = photons;
     bake.photon_range = {{0, photons / 2}};
@@ -258,17 +296,17 @@ class Planner {
       weights += weight;
     }
     constexpr double least_bias = 0.001;  // less is not told from nothing
-    PilotErrors errors{spacing_of(frame), double(photons),
-                       std::max(least_bias, std::sqrt(std::max(0.0, bias / weights)) / mean_e_),
-                       std::sqrt(noise / weights) / mean_e_};
+    const PilotErrors errors{spacing_of(frame), double(photons),
+                             std::max(least_bias, std::sqrt(std::max(0.0, bias / weights)) / mean_e_),
+                             std::sqrt(noise / weights) / mean_e_};
     note(fmt::format("pilot of {}x{}x{} vertices, {} photons: bias {:.2g} %, noise {:.2g} %", frame.size.x,
                      frame.size.y, frame.size.z, photons, 100 * errors.bias, 100 * errors.noise));
-    pilots_.push_back(errors);
     double stored = 0;
     for (const float fraction : first.visible_fraction) stored += fraction > 0 ? 1 : 0;
     stored_share_ = stored / double(frame.vertex_count());
     photons_range_ = {0, photons};
-    sums_ = merge({std::move(first), std::move(second)}, {"the pilot's first half", "the pilot's second half"});
+    sums_ = merged(std::move(first), std::move(second));
+    return errors;
   }
 
   void measure_direction() {
@@ -381,7 +419,7 @@ class Planner {
       bake.photon_range = {{photons_range_.second, chosen_.photons}};
       GridAccumulator more = bake_grid_sums(lit_, bake);
       sums_->metadata["photons"] = more.metadata["photons"];
-      sums_ = merge({std::move(*sums_), std::move(more)}, {"the photons at hand", "those added to them"});
+      sums_ = merged(std::move(*sums_), std::move(more));
     }
     measured_seconds_ += seconds_since(start);
     modelled_seconds_ += chosen_.seconds;
@@ -397,11 +435,35 @@ class Planner {
     return certify(lit_, resolve(*sums_), domain_, measure);
   }
 
-  // What was measured takes the place of what was predicted. False where nothing within bounds promises less error.
-  bool improve(const FieldCertificate& measured) {
-    const double error = measured.interval.error;
-    const double noise = measured.summary.parts.at("noise");
-    direction_ = measured.summary.parts.contains("direction") ? measured.summary.parts.at("direction") : direction_;
+  struct Reached {
+    double error = 0;  // shares of mean E
+    double noise = 0;
+  };
+
+  Reached error_at_planning_points() const {
+    const IrradianceGrid grid = resolve(*sums_);
+    std::vector<ErrorSample> samples(points_.size());
+    std::vector<double> noise(points_.size());
+    tbb::parallel_for(std::size_t(0), points_.size(), [&](std::size_t i) {
+      const Reading reading = read_grid(grid, lit_.intersector, points_[i].at, params_.lookup);
+      samples[i] = error_sample(points_[i], reading.e);
+      noise[i] = mean_of(reading.noise);
+    });
+    double squares = 0;
+    double weights = 0;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      squares += points_[i].at.weight * noise[i];
+      weights += points_[i].at.weight;
+    }
+    return {root_mean_square(samples).error, std::sqrt(squares / weights) / mean_e_};
+  }
+
+  // What was measured takes the place of what was predicted. False where it is no more than the target, and where
+  // nothing within bounds promises less.
+  bool improve(const Reached& reached) {
+    const double error = reached.error;
+    if (error <= params_.target) return false;
+    const double noise = std::min(reached.noise, 0.95 * error);
     const PilotErrors here{spacing_of(sums_->frame), double(photons_range_.second),
                            std::sqrt(std::max(error * error - noise * noise, 1e-8)), noise};
     std::erase_if(pilots_, [&](const PilotErrors& p) { return p.spacing_m <= here.spacing_m * 1.05; });

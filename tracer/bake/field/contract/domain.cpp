@@ -171,4 +171,14 @@ DomainPoint Domain::point(std::uint64_t index) const {
   return boxes_.empty() ? DomainPoint{{0, 0, 0}, {0, 1, 0}, 0, true} : space_point(random);
 }
 
+void balance_weights(const std::vector<DomainPoint*>& points) {
+  constexpr double enough = 16;
+  double on_surface = 0;
+  for (const DomainPoint* p : points) on_surface += p->on_surface ? 1 : 0;
+  const double all = double(points.size());
+  if (on_surface < enough || all - on_surface < enough) return;
+  for (DomainPoint* p : points)
+    p->weight = p->on_surface ? surface_share * all / on_surface : (1 - surface_share) * all / (all - on_surface);
+}
+
 }  // namespace ivory

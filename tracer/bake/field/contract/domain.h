@@ -32,7 +32,7 @@ struct DomainParams {
   DomainKind kind = DomainKind::both;
   // Free space is that of these boxes; none: of the whole frame; empty: there is none.
   std::optional<std::vector<Box3f>> dynamic_regions = std::nullopt;
-  std::vector<DomainPoint> given;  // unless empty, these are the domain
+  std::vector<DomainPoint> given{};  // unless empty, these are the domain
   std::uint64_t seed = 1;
 };
 
@@ -68,5 +68,10 @@ class Domain {
   std::vector<Box3f> boxes_;        // of free space: the frame's own axes in index coordinates, or the scene's, metres
   std::vector<double> volume_until_;  // m^3
 };
+
+// Light reaches one side of most walls, and none of the inside of solids: of points drawn three to one, those that it
+// reaches are not. Weights (1, of points that were drawn) that give surfaces their share again, and add up to the
+// number of points; as they are where there are fewer than 16 of either kind.
+void balance_weights(const std::vector<DomainPoint*>& points);
 
 }  // namespace ivory

@@ -56,10 +56,10 @@ struct Spacing {
 };
 
 struct PlanLimits {
-  double aim = 0;                      // error to be reached, a share
-  double least_photons = 20'000;       // fewer are never worth it
-  std::optional<double> photons;       // fixed by hand
-  std::optional<double> most_seconds;  // of the cost model's machine
+  double aim = 0;                                     // error to be reached, a share
+  double least_photons = 20'000;                      // fewer are never worth it
+  std::optional<double> photons = std::nullopt;       // fixed by hand
+  std::optional<double> most_seconds = std::nullopt;  // of the cost model's machine
 };
 
 struct Plan {
