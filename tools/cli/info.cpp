@@ -15,6 +15,7 @@
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/cli/scene_info.h"
+#include "tools/cli/target_error.h"
 #include "tools/input/file_kind.h"
 #include "tools/input/scene.h"
 #include "tools/input/vdb.h"
@@ -108,6 +109,26 @@ Json difmap_json(const std::string& path) {
   return json;
 }
 
+// What an asset says of its own error, as one object in place of the entries that files keep.
+void gather_certificate(Json& json) {
+  Metadata metadata;
+  for (const auto& [key, value] : json.items()) {
+    if (!key.starts_with("certificate_")) continue;
+    if (value.is_number()) metadata[key] = value.get<double>();
+    if (value.is_string()) metadata[key] = value.get<std::string>();
+  }
+  const std::optional<Certificate> certificate = find_certificate(metadata);
+  if (!certificate) return;
+  Json object = certificate_json(*certificate);
+  if (const auto worst = find_text(metadata, "certificate_worst")) {
+    object["worst"] = Json::array();
+    std::istringstream lines(*worst);
+    for (std::string line; std::getline(lines, line);) object["worst"].push_back(line);
+  }
+  for (const auto& [key, value] : metadata) json.erase(key);
+  json["certificate"] = std::move(object);
+}
+
 std::string text_of(const Json& value) {
   if (value.is_string()) return value.get<std::string>();
   if (!value.is_array()) return value.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -123,6 +144,20 @@ std::string light_text(const Json& light) {
     const std::size_t unit = key.rfind('_');
     if (key == "type" || unit == std::string::npos) continue;
     text += key == "position_m" ? " at " + text_of(value) : ", " + text_of(value) + " " + key.substr(unit + 1);
+  }
+  return text;
+}
+
+// Its lines, each behind the word.
+std::string certificate_lines(const Json& json) {
+  Certificate certificate{json.value("target", 0.0),  json["error"].get<double>(),        json["low"].get<double>(),
+                          json["high"].get<double>(), json["measure"].get<std::string>(), {}};
+  for (const auto& [name, part] : json["parts"].items()) certificate.parts[name] = part.get<double>();
+  std::string text;
+  std::istringstream lines(certificate_text(certificate));
+  for (std::string line; std::getline(lines, line);) text += fmt::format("{:<20} {}\n", "certificate", line);
+  if (json.contains("worst")) {
+    for (const Json& line : json["worst"]) text += fmt::format("{:<20} {}\n", "worst", line.get<std::string>());
   }
   return text;
 }
@@ -162,9 +197,12 @@ void run_info(const std::string& path, const SceneOptions& options, const Common
     *assumptions = Json::array();
     for (std::string line; std::getline(lines, line);) assumptions->push_back(line);
   }
+  gather_certificate(json);
   std::string text;
   for (const auto& [key, value] : json.items()) {
-    if (key == "lights") {
+    if (key == "certificate") {
+      text += certificate_lines(value);
+    } else if (key == "lights") {
       constexpr std::size_t most = 20;
       for (std::size_t i = 0; i < std::min(most, value.size()); ++i)
         text += fmt::format("{:<20} {}\n", "light", light_text(value[i]));

@@ -57,7 +57,7 @@ std::string certificate_text(const Certificate& certificate) {
   text += '\n';
   std::string parts;
   for (const auto& [name, share] : certificate.parts)
-    parts += fmt::format("{}{} {}", parts.empty() ? "of it " : ", ", name, format_share(share));
+    parts += fmt::format("{}{} {}", parts.empty() ? "parts: " : ", ", name, format_share(share));
   return parts.empty() ? text : text + parts + "\n";
 }
 
