@@ -69,6 +69,8 @@ GpuGrid upload(const IrradianceGrid& grid, const GridUploadParams& params, const
   if (params.form == GridForm::norms_and_directions && grid.basis != Basis::vectors)
     throw ParameterError("form",
                          fmt::format("norms and directions hold the basis vectors only, not {}", name_of(grid.basis)));
+  if (grid.levels() > 1)
+    throw Error(what, fmt::format("has {} levels of spacing", grid.levels()), "bake it without --levels for the GPU");
   gl::require_context();
   GpuGrid out;
   out.frame = grid.frame;

@@ -115,7 +115,45 @@ TEST_P(BakeBytes, SameAtAnyThreadCountAndFromParts) {
 
 INSTANTIATE_TEST_SUITE_P(Options, BakeBytes,
                          testing::Values("", "--basis sh9", "--basis vectors9 --direct", "--basis ambient_cube",
-                                         "--basis sh4 --guard off", "--estimator face", "--estimator face_paper"));
+                                         "--basis sh4 --guard off", "--estimator face", "--estimator face_paper",
+                                         "--levels 2", "--levels 3 --basis sh9 --dynamic none"));
+
+// Fine near surfaces, coarse in the open: what the result, the file and look-ups say of it.
+TEST(BakeGrid, LevelsStandSideBySide) {
+  const auto folder = scratch_folder("levels");
+  const std::string bake = "bake grid " + scene + " --voxel-size 0.15 --photons 20k -q -f --json -o ";
+  const Json uniform = Json::parse(ivory(folder, bake + "a.vdb").out);
+  const Outcome outcome = ivory(folder, bake + "b.vdb --levels 3");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const Json levels = Json::parse(outcome.out);
+  EXPECT_LT(levels["vertices"].get<int>(), uniform["vertices"].get<int>());
+  ASSERT_EQ(levels["levels"].size(), 3);
+  int vertices = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(levels["levels"][i]["spacing_m"][0].get<double>(), 0.6 / (1 << i), 1e-6);
+    vertices += levels["levels"][i]["vertices"].get<int>();
+  }
+  EXPECT_EQ(vertices, levels["vertices"].get<int>());
+  EXPECT_NEAR(levels["spacing_m"][0].get<double>(), 0.15, 1e-6);
+  const Json info = Json::parse(ivory(folder, "info b.vdb --json").out);
+  EXPECT_EQ(info["levels"], 3);
+  EXPECT_EQ(info["active_vertices"], levels["vertices_stored"]);
+  EXPECT_EQ(info["level_spacings_m"], "0.6 0.3 0.15");
+  EXPECT_FALSE(uniform.contains("levels"));
+  EXPECT_FALSE(Json::parse(ivory(folder, "info a.vdb --json").out).contains("levels"));
+  for (const std::string guard : {"", " --guard off", " --scene " + scene}) {
+    const std::string points = " --points " + std::string(source_folder) + "/scenes/leak_axis_lit_points.csv -o ";
+    ASSERT_EQ(ivory(folder, "probe b.vdb" + points + "e.csv -f -q" + guard).exit_code, 0) << guard;
+  }
+  // Parts of other levels are other bakes'.
+  const std::string part = "bake grid " + scene + " --voxel-size 0.3 --photons 20k -q -f -o ";
+  ASSERT_EQ(ivory(folder, part + "p.vdb --photon-range 0:10k --levels 2").exit_code, 0);
+  ASSERT_EQ(ivory(folder, part + "q.vdb --photon-range 10k:20k --levels 3").exit_code, 0);
+  expect_refused(folder, "merge p.vdb q.vdb -o x.vdb", 1, "level");
+  expect_refused(folder, part + "x.vdb --levels 2 --estimator face", 2, "estimator");
+  expect_refused(folder, "bake grid " + scene + " --levels 2 -o x.vdb", 2, "--voxel-size");
+  expect_refused(folder, part + "x.vdb --levels 0", 2, "--levels");
+}
 
 TEST(BakeGrid, MergeRefusesPartsThatDoNotFit) {
   const auto folder = scratch_folder("merge");

@@ -7,6 +7,7 @@
 #include "grid/base/anchor.h"
 #include "grid/base/error.h"
 #include "grid/field/resolve.h"
+#include "grid/io/file.h"
 #include "grid/io/vdb/vdb.h"
 #include "tools/bake/grid_contract.h"
 #include "tools/bake/grid_report.h"
@@ -73,14 +74,16 @@ void run_contract(const BakeGridOptions& options, const GridBakeParams& bake, co
     return bake_to_error(input.lit, params);
   }();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  check_voxels(options.output, contract.sums.frame);
+  check_voxels(options.output, contract.sums.finest_frame());
   for (const auto& [key, value] : input.origin) contract.sums.metadata[key] = value;
   contract.sums.metadata["version"] = std::string(IVORY_VERSION);
   keep_contract(contract, options.contract);
-  auto result = write_result(options.output, contract.sums, /*finished=*/true, common);
-  if (!options.contract.report.empty() && contract.certificate) {
-    write_grid_report(options.contract.report, options.output, input.lit, resolve(contract.sums), contract,
-                      params.lookup, common);
+  std::string report;
+  if (!options.contract.report.empty() && contract.certificate)
+    report = grid_report(options.output, input.lit, resolve(contract.sums), contract, params.lookup);
+  auto result = write_result(options.output, std::move(contract.sums), /*finished=*/true, common);
+  if (!report.empty()) {
+    write_file(options.contract.report, report, common.force);
     result["report"] = options.contract.report;
   }
   result["plan"] = plan_json(contract.plan, params.target, anchor_m);
@@ -103,6 +106,8 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
                                  params.photons));
   }
   const bool contract = has_contract(options.contract, params);
+  if (contract && params.levels > 1)
+    throw UsageError("--levels refines the spacing that --voxel-size or --resolution asks for: give one, and photons");
   params.max_memory_bytes = options.contract.most_memory_bytes;
   if (!options.contract.dry_run) check_output(options.output, ".vdb", common);
   if (!options.contract.report.empty() && !options.contract.dry_run)
@@ -150,8 +155,8 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   for (const auto& [key, value] : input.origin) sums.metadata[key] = value;
   sums.metadata["version"] = std::string(IVORY_VERSION);
 
-  auto result = write_result(options.output, sums, /*finished=*/!params.photon_range, common);
   const double rate = static_cast<double>(sums.photon_end - sums.photon_begin) / seconds;
+  auto result = write_result(options.output, std::move(sums), /*finished=*/!params.photon_range, common);
   result["seconds"] = seconds;
   result["photons_per_second"] = rate;
   put_input_warnings(input, result);
@@ -190,6 +195,9 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
       .positive()
       .type_name("METRES")
       .excludes(resolution);
+  command.add_count("--levels", params.levels, 1, max_levels,
+                    "Spacings side by side: the one asked for near surfaces and in --dynamic boxes, and up to\n"
+                    "2^(N-1) times that in the open; 1 is the same everywhere");
   command
       .add_option("--dynamic", options->dynamic,
                   "Where objects will move: a box X0,Y0,Z0:X1,Y1,Z1 in metres, or none; may be repeated. Away from\n"

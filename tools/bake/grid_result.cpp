@@ -56,12 +56,12 @@ bool is_whole(const GridAccumulator& accumulator) {
   return accumulator.photon_begin == 0 && accumulator.photon_end == whole_photons(accumulator);
 }
 
-Json write_result(const std::string& path, const GridAccumulator& accumulator, bool finished,
-                  const CommonOptions& common) {
+Json write_result(const std::string& path, GridAccumulator accumulator, bool finished, const CommonOptions& common) {
   const Evidence found = evidence(accumulator);
   const std::string doubt = few_photons_text(found);
   if (finished) {
     IrradianceGrid grid = resolve(accumulator);
+    accumulator.sums = {};
     if (!doubt.empty()) grid.metadata["few_photons"] = doubt;
     grid.metadata["photon_begin"] = std::int64_t(accumulator.photon_begin);
     grid.metadata["photon_end"] = std::int64_t(accumulator.photon_end);
@@ -70,7 +70,7 @@ Json write_result(const std::string& path, const GridAccumulator& accumulator, b
   } else {
     write_vdb(path, accumulator, common.force);
   }
-  const GridFrame& frame = accumulator.frame;
+  const GridFrame& frame = accumulator.finest_frame();
   const auto stored = std::count_if(accumulator.visible_fraction.begin(), accumulator.visible_fraction.end(),
                                     [](float f) { return f > 0; });
   Json result{{"file", path},
@@ -79,12 +79,24 @@ Json write_result(const std::string& path, const GridAccumulator& accumulator, b
               {"resolution", {frame.size.x, frame.size.y, frame.size.z}},
               {"spacing_m", {shortest(frame.spacing_m.x), shortest(frame.spacing_m.y), shortest(frame.spacing_m.z)}},
               {"origin_m", shortest(frame.origin_m, accumulator.anchor_m)},
-              {"vertices", frame.vertex_count()},
+              {"vertices", accumulator.vertex_count()},
               {"vertices_stored", stored},
               {"memory_bytes", stored * bytes_read(accumulator)},
               {"photons", whole_photons(accumulator)},
               {"photon_range", {accumulator.photon_begin, accumulator.photon_end}},
               {"energy", ledger_json(accumulator)}};
+  if (accumulator.levels() > 1) {
+    result["levels"] = Json::array();  // the coarsest first
+    for (int level = 0; level < accumulator.levels(); ++level) {
+      const auto first = accumulator.visible_fraction.begin() + std::ptrdiff_t(accumulator.first_vertex_of(level));
+      const auto count = std::ptrdiff_t(accumulator.vertex_count_of(level));
+      const V3f& h = accumulator.frame_of(level).spacing_m;
+      result["levels"].push_back(
+          {{"spacing_m", {shortest(h.x), shortest(h.y), shortest(h.z)}},
+           {"vertices", count},
+           {"vertices_stored", std::count_if(first, first + count, [](float f) { return f > 0; })}});
+    }
+  }
   Metadata parameters = accumulator.metadata;
   parameters["light"] = std::string(name_of(accumulator.light));
   result["parameters"] = to_json(parameters);
@@ -109,11 +121,17 @@ std::string result_text(const Json& result) {
   const auto& range = result["photon_range"];
   const auto& parameters = result["parameters"];
   const auto parameter = [&](const char* key) { return parameters.value(key, std::string("unknown")); };
-  std::string text = fmt::format(
-      "{}: {} of {}x{}x{} vertices ({} stored), {:.4g} x {:.4g} x {:.4g} m apart, {}\n",
-      result["file"].get<std::string>(), result["kind"] == "grid" ? "grid" : "photon sums", size[0].get<int>(),
-      size[1].get<int>(), size[2].get<int>(), result["vertices_stored"].get<std::int64_t>(), spacing[0].get<float>(),
-      spacing[1].get<float>(), spacing[2].get<float>(), format_bytes(result["bytes"].get<std::uint64_t>()));
+  std::string vertices = fmt::format("{}x{}x{}", size[0].get<int>(), size[1].get<int>(), size[2].get<int>());
+  std::string where;
+  if (result.contains("levels")) {
+    vertices = std::to_string(result["vertices"].get<std::int64_t>());
+    where = fmt::format(" on the finest of {} levels", result["levels"].size());
+  }
+  std::string text =
+      fmt::format("{}: {} of {} vertices ({} stored), {:.4g} x {:.4g} x {:.4g} m apart{}, {}\n",
+                  result["file"].get<std::string>(), result["kind"] == "grid" ? "grid" : "photon sums", vertices,
+                  result["vertices_stored"].get<std::int64_t>(), spacing[0].get<float>(), spacing[1].get<float>(),
+                  spacing[2].get<float>(), where, format_bytes(result["bytes"].get<std::uint64_t>()));
   text += fmt::format("{} light, basis {}, estimator {}, guard {}\n", parameter("light"), parameter("basis"),
                       parameter("estimator"), parameter("guard"));
   text += fmt::format("photons {}:{} of {}", range[0].get<std::uint64_t>(), range[1].get<std::uint64_t>(),

@@ -16,7 +16,8 @@ bool is_whole(const GridAccumulator& accumulator);
 // Writes the finished grid, or, unless `finished`, the sums themselves, and describes what was
 // written; "warnings" says where too few photons came, which it also prints as notes and, in a finished grid, leaves in
 // the metadata as few_photons. Equal sums give equal files.
-nlohmann::ordered_json write_result(const std::string& path, const GridAccumulator& accumulator, bool finished,
+// The sums, by far the largest part, are let go before the file is made of a finished grid.
+nlohmann::ordered_json write_result(const std::string& path, GridAccumulator accumulator, bool finished,
                                     const CommonOptions& common);
 
 // The same for people: whole lines.

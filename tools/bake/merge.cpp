@@ -37,7 +37,7 @@ void run_merge(const MergeOptions& options, const CommonOptions& common) {
     total = merge(std::move(two), {order[i - 1].second, order[i].second});
   }
   const bool whole = is_whole(total);
-  auto result = write_result(options.output, total, whole, common);
+  auto result = write_result(options.output, std::move(total), whole, common);
   result["parts"] = options.parts.size();
   result["complete"] = whole;
   std::string text = result_text(result);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <span>
 #include <string_view>
 
 #include "grid/base/anchor.h"
@@ -31,6 +30,8 @@ void add_rgb(std::vector<VectorField>& fields, std::string name, int function) {
 }
 
 }  // namespace
+
+std::string level_suffix(int level) { return level == 0 ? "" : "_level" + std::to_string(level); }
 
 std::string guard_name(int half) { return "guard_" + std::to_string(half); }
 
@@ -60,8 +61,8 @@ std::optional<GuardRecord> guard_from_floats(const std::array<float, 6>& floats)
 
 int file_stride(Basis basis) { return basis == Basis::vectors ? 54 : function_count(basis) * 3; }
 
-std::vector<float> file_values_from_moments(Basis basis, const std::vector<float>& moments) {
-  if (basis != Basis::vectors) return moments;
+std::vector<float> file_values_from_moments(Basis basis, std::span<const float> moments) {
+  if (basis != Basis::vectors) return {moments.begin(), moments.end()};
   std::vector<float> values;
   values.reserve(moments.size() / 36 * 54);
   for (std::size_t at = 0; at < moments.size(); at += 36) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,12 @@ inline const std::string light_key = "light";      // of StoredLight, behind met
 inline constexpr const char* visible_fraction_name = "visible_fraction";
 inline constexpr const char* variance_name = "variance";
 
+// Grids of several spacings (lattice.h) have the grids of each level, whose names end in "_level1" and so on for the
+// finer ones; the coarsest, complete level bears the plain names. Those of a level share its transform. In a finer
+// level visible_fraction_levelN is active in whole bricks, which says where they are.
+inline constexpr const char* levels_key = "levels";  // behind file_prefix; absent in uniform grids
+std::string level_suffix(int level);
+
 // A guard record as six floats of 24 bits each, lowest first, in two Vec3f grids guard_0 and guard_1: python-openvdb
 // refuses whole files that hold a grid of integers.
 std::string guard_name(int half);
@@ -37,7 +44,7 @@ std::optional<GuardRecord> guard_from_floats(const std::array<float, 6>& floats)
 // A vertex's floats as the file keeps them: the moments, or for Basis::vectors the six hemispherical vectors,
 // [hemisphere][xyz][rgb]; lux.
 int file_stride(Basis basis);
-std::vector<float> file_values_from_moments(Basis basis, const std::vector<float>& moments);
+std::vector<float> file_values_from_moments(Basis basis, std::span<const float> moments);
 std::vector<float> moments_from_file_values(Basis basis, const std::vector<float>& values);
 
 // One Vec3f grid of the file.

@@ -85,7 +85,7 @@ struct OpenFile {
     return result;
   }
 
-  // The frame as baked; sizes checked against what memory can hold at `bytes_per_vertex`, the reader's peak.
+  // The (coarsest) frame as baked; sizes checked against what memory can hold at `bytes_per_vertex`, the reader's peak.
   GridFrame stored_frame(std::size_t bytes_per_vertex) const {
     GridFrame frame;
     const auto size = get<openvdb::Vec3i>("size");
@@ -105,6 +105,13 @@ struct OpenFile {
     }
     check_memory(path, bytes, "use a larger machine or bake at a lower resolution");
     return frame;
+  }
+
+  int stored_levels() const {
+    if (!(*metadata)[file_prefix + levels_key]) return 1;
+    const auto levels = get<std::int64_t>(levels_key);
+    if (levels < 2 || levels > max_levels) throw missing(file_prefix + levels_key);
+    return int(levels);
   }
 
   // Zero in files of grids near the world's origin, which state none.
@@ -152,33 +159,39 @@ auto with_open_file(const std::string& path, const std::string& copy, const Read
   }
 }
 
-// Calls take(vertex, value) for every active vertex of the box.
+// What grids and sums have in common, and for each level the transform that all of its grids must share.
+struct ReadVertices {
+  GridVertices vertices;
+  std::vector<openvdb::math::Transform::Ptr> transforms;
+};
+
+// Calls take(vertex, value) for every active vertex of a level.
 template <typename Grid, typename Take>
-void for_each_vertex(const Grid& grid, const GridFrame& frame, const Take& take) {
+void for_each_vertex(const Grid& grid, const Lattice& lattice, int level, const Take& take) {
   typename Grid::ConstAccessor accessor = grid.getConstAccessor();
   typename Grid::ValueType value;
-  std::size_t vertex = 0;
-  for (int k = 0; k < frame.size.z; ++k) {
-    for (int j = 0; j < frame.size.y; ++j) {
-      for (int i = 0; i < frame.size.x; ++i, ++vertex) {
-        if (accessor.probeValue(openvdb::Coord(i, j, k), value)) take(vertex, value);
-      }
-    }
+  const std::size_t first = lattice.first_vertex_of(level);
+  const std::size_t last = first + lattice.vertex_count_of(level);
+  for (std::size_t vertex = first; vertex < last; ++vertex) {
+    const V3i at = lattice.place_of(std::uint32_t(vertex)).at;
+    if (accessor.probeValue(openvdb::Coord(at.x, at.y, at.z), value)) take(vertex, value);
   }
 }
 
-// What grids and sums have in common, and the transform that all grids of the file must share.
-struct ReadVertices {
-  GridVertices vertices;
-  openvdb::math::Transform::Ptr transform;
-};
+// The same of that grid of all levels.
+template <typename Grid, typename Take>
+void read_levels(OpenFile& in, const std::string& grid_name, const ReadVertices& read, const Take& take) {
+  for (int level = 0; level < read.vertices.levels(); ++level) {
+    const auto grid = in.grid<Grid>(grid_name + level_suffix(level), read.vertices.frame_of(level),
+                                    read.transforms[std::size_t(level)].get());
+    for_each_vertex(*grid, read.vertices, level, take);
+  }
+}
 
-// Components of a Vec3f grid into floats at `offset`, `stride` apart.
+// Components of Vec3f grids into floats at `offset`, `stride` apart.
 void read_vectors(OpenFile& in, const std::string& grid_name, const ReadVertices& read, float least,
                   const std::array<int, 3>& offset, std::size_t stride, float* values) {
-  const GridFrame& frame = read.vertices.frame;
-  const auto grid = in.grid<Vec3fGrid>(grid_name, frame, read.transform.get());
-  for_each_vertex(*grid, frame, [&](std::size_t vertex, const openvdb::Vec3s& value) {
+  read_levels<Vec3fGrid>(in, grid_name, read, [&](std::size_t vertex, const openvdb::Vec3s& value) {
     for (int i = 0; i < 3; ++i) {
       if (!std::isfinite(value[i]) || value[i] < least)
         throw Error(in.path, "grid " + grid_name + " holds a value that is not finite or negative", "bake it again");
@@ -189,6 +202,108 @@ void read_vectors(OpenFile& in, const std::string& grid_name, const ReadVertices
 
 // A visible fraction, a guard record and, while a grid is read, OpenVDB's 12 bytes for a vector or 8 for a sum.
 constexpr std::size_t kept_bytes_per_vertex = sizeof(float) + sizeof(GuardRecord) + 12;
+
+std::array<double, 16> matrix_of(const OpenFile& in, const openvdb::math::Transform& transform) {
+  if (!transform.isLinear()) throw Error(in.path, "its transform is not linear", read_remedy);
+  const openvdb::Mat4d matrix = transform.baseMap()->getAffineMap()->getMat4();
+  std::array<double, 16> entries;
+  std::copy_n(matrix.asPointer(), 16, entries.begin());
+  return entries;
+}
+
+// The bricks of a finer level: those that a grid is active in, all of which it must be.
+std::vector<V3i> active_bricks(const OpenFile& in, const openvdb::FloatGrid& grid, const GridFrame& frame) {
+  const V3i count = frame.size / brick_side;
+  const auto index = [&](int x, int y, int z) {
+    return (std::size_t(z) * std::size_t(count.y) + std::size_t(y)) * std::size_t(count.x) + std::size_t(x);
+  };
+  std::vector<std::uint8_t> active(index(0, 0, count.z), 0);
+  for (auto at = grid.cbeginValueOn(); at; ++at) {
+    // A voxel, or a tile that OpenVDB has made of equal ones.
+    const openvdb::CoordBBox box = at.getBoundingBox();
+    const openvdb::Coord last = box.max();
+    for (int z = box.min().z(); z <= last.z(); z = (z | 3) + 1) {
+      for (int y = box.min().y(); y <= last.y(); y = (y | 3) + 1) {
+        for (int x = box.min().x(); x <= last.x(); x = (x | 3) + 1) {
+          const auto along = [](int from, int to) { return std::min(to, from | 3) - from + 1; };
+          active[index(x >> 2, y >> 2, z >> 2)] +=
+              std::uint8_t(along(x, last.x()) * along(y, last.y()) * along(z, last.z()));
+        }
+      }
+    }
+  }
+  std::vector<V3i> bricks;
+  for (int z = 0; z < count.z; ++z) {
+    for (int y = 0; y < count.y; ++y) {
+      for (int x = 0; x < count.x; ++x) {
+        const int vertices = active[index(x, y, z)];
+        if (vertices != 0 && vertices != brick_vertices)
+          throw Error(in.path, "grid " + grid.getName() + " has a brick that is not whole", read_remedy);
+        if (vertices != 0) bricks.emplace_back(x, y, z);
+      }
+    }
+  }
+  return bricks;
+}
+
+// Finer levels stand where their transforms say, which must be where the coarsest one says: moved together.
+void check_level(const OpenFile& in, const PlacedFrame& level, const openvdb::math::Transform& transform) {
+  const std::array<double, 16> is = matrix_of(in, transform);
+  const std::array<double, 16> expected = transform_matrix(level);
+  const double voxel_m = double(std::min({level.frame.spacing_m.x, level.frame.spacing_m.y, level.frame.spacing_m.z}));
+  for (std::size_t i = 0; i < 16; ++i) {
+    // Along the whole grid an error in a voxel's edge adds up.
+    const double tolerance =
+        i < 12 ? 1e-2 / std::max({level.frame.size.x, level.frame.size.y, level.frame.size.z}) : 1e-2;
+    if (!(std::abs(is[i] - expected[i]) <= tolerance * voxel_m))
+      throw Error(in.path, "its levels have transforms that disagree", "move all grids of the file together");
+  }
+}
+
+// Fills in lattice and visible fractions.
+void read_lattice(OpenFile& in, std::size_t bytes_per_vertex, ReadVertices& read) {
+  GridVertices& out = read.vertices;
+  const GridFrame stored = in.stored_frame(bytes_per_vertex);
+  const int levels = in.stored_levels();
+  check_memory(in.path, table_bytes(stored, levels), "use a larger machine or bake at a lower resolution");
+  const auto visible = in.grid<openvdb::FloatGrid>(visible_fraction_name, stored, nullptr);
+  read.transforms.push_back(visible->transformPtr());
+  const PlacedFrame placed =
+      frame_from_transform(in.path, matrix_of(in, *read.transforms[0]), {stored, in.stored_anchor()});
+  out.anchor_m = placed.anchor_m;
+
+  std::vector<openvdb::FloatGrid::Ptr> finer;
+  std::vector<std::vector<V3i>> bricks;
+  GridFrame frame = placed.frame;
+  double vertices = double(stored.vertex_count());
+  for (int level = 1; level < levels; ++level) {
+    if (std::max({frame.size.x, frame.size.y, frame.size.z}) > 1 << 19) throw in.missing(file_prefix + levels_key);
+    if (level == 1 && (frame.size.x % 2 != 0 || frame.size.y % 2 != 0 || frame.size.z % 2 != 0))
+      throw in.missing(file_prefix + "size");
+    frame = finer_frame(frame);
+    finer.push_back(in.grid<openvdb::FloatGrid>(visible_fraction_name + level_suffix(level), frame, nullptr));
+    read.transforms.push_back(finer.back()->transformPtr());
+    check_level(in, {frame, out.anchor_m}, *read.transforms.back());
+    vertices += double(finer.back()->activeVoxelCount());
+    check_memory(in.path, vertices * double(bytes_per_vertex), "use a larger machine or bake at a lower resolution");
+    bricks.push_back(active_bricks(in, *finer.back(), frame));
+    if (bricks.back().empty()) throw in.missing("the bricks of level " + std::to_string(level));
+  }
+  static_cast<Lattice&>(out) = make_lattice(placed.frame, bricks);
+  // What it had to add is not in the file.
+  if (double(out.vertex_count()) != vertices)
+    throw Error(in.path, "its levels disagree: around a finer brick coarser ones are not there", read_remedy);
+
+  out.visible_fraction.assign(out.vertex_count(), 0.0F);
+  for (int level = 0; level < levels; ++level) {
+    for_each_vertex(level == 0 ? *visible : *finer[std::size_t(level - 1)], out, level,
+                    [&](std::size_t vertex, float value) {
+                      if (!(value >= 0 && value <= 1))
+                        throw Error(in.path, "grid visible_fraction leaves 0 to 1", read_remedy);
+                      out.visible_fraction[vertex] = value;
+                    });
+  }
+}
 
 // `bytes_per_vertex` is what the caller needs at its peak besides kept_bytes_per_vertex.
 ReadVertices read_vertices(OpenFile& in, Basis basis, std::size_t bytes_per_vertex) {
@@ -201,26 +316,12 @@ ReadVertices read_vertices(OpenFile& in, Basis basis, std::size_t bytes_per_vert
     if (!stored) throw in.missing(meta_prefix + light_key);
     out.light = *stored;
   }
-  const GridFrame stored = in.stored_frame(kept_bytes_per_vertex + bytes_per_vertex);
-  const auto visible = in.grid<openvdb::FloatGrid>(visible_fraction_name, stored, nullptr);
-  read.transform = visible->transformPtr();
-  if (!read.transform->isLinear()) throw Error(in.path, "its transform is not linear", read_remedy);
-  const openvdb::Mat4d matrix = read.transform->baseMap()->getAffineMap()->getMat4();
-  std::array<double, 16> entries;
-  std::copy_n(matrix.asPointer(), 16, entries.begin());
-  const PlacedFrame placed = frame_from_transform(in.path, entries, {stored, in.stored_anchor()});
-  out.frame = placed.frame;
-  out.anchor_m = placed.anchor_m;
-  out.visible_fraction.assign(stored.vertex_count(), 0.0F);
-  for_each_vertex(*visible, stored, [&](std::size_t vertex, float value) {
-    if (!(value >= 0 && value <= 1)) throw Error(in.path, "grid visible_fraction leaves 0 to 1", read_remedy);
-    out.visible_fraction[vertex] = value;
-  });
+  read_lattice(in, kept_bytes_per_vertex + bytes_per_vertex, read);
   if (!in.file.hasGrid(guard_name(0))) return read;
-  std::vector<float> floats(stored.vertex_count() * 6);
+  std::vector<float> floats(out.vertex_count() * 6);
   read_vectors(in, guard_name(0), read, 0, {0, 1, 2}, 6, floats.data());
   read_vectors(in, guard_name(1), read, 0, {3, 4, 5}, 6, floats.data());
-  out.guard.resize(stored.vertex_count());
+  out.guard.resize(out.vertex_count());
   for (std::size_t vertex = 0; vertex < out.guard.size(); ++vertex) {
     std::array<float, 6> six{};
     std::copy_n(floats.begin() + std::ptrdiff_t(6 * vertex), 6, six.begin());
@@ -238,7 +339,7 @@ IrradianceGrid read_grid(OpenFile& in) {
   // At the peak there are the values as stored, the moments made of them, visible fraction and guard; or, the values
   // gone, the variance three times over (OpenVDB's grid, as floats, in its place), which is never more.
   ReadVertices read = read_vertices(in, basis, (std::size_t(function_count(basis)) * 3 + stride) * sizeof(float));
-  const std::size_t count = read.vertices.frame.vertex_count();
+  const std::size_t count = read.vertices.vertex_count();
 
   std::vector<float> moments;
   {
@@ -279,11 +380,10 @@ GridAccumulator read_accumulator(OpenFile& in) {
   const std::vector<std::string> names = sum_field_names(sum_layout(basis, estimator));
   const std::size_t stride = names.size();
   ReadVertices read = read_vertices(in, basis, stride * sizeof(std::int64_t));
-  const GridFrame& frame = read.vertices.frame;
-  std::vector<std::int64_t> sums(frame.vertex_count() * stride, 0);
+  std::vector<std::int64_t> sums(read.vertices.vertex_count() * stride, 0);
   for (std::size_t i = 0; i < stride; ++i) {
-    const auto grid = in.grid<openvdb::Int64Grid>(names[i], frame, read.transform.get());
-    for_each_vertex(*grid, frame, [&](std::size_t vertex, std::int64_t value) { sums[vertex * stride + i] = value; });
+    read_levels<openvdb::Int64Grid>(in, names[i], read,
+                                    [&](std::size_t vertex, std::int64_t value) { sums[vertex * stride + i] = value; });
   }
   if ((in.get<std::int64_t>("guard_stored") != 0) != !read.vertices.guard.empty()) throw in.missing("grid guard_0");
   return {std::move(read.vertices), estimator,          std::move(sums),    quantum, quantum_squared,
@@ -309,9 +409,19 @@ Metadata read_info(OpenFile& in) {
   info["grids"] = names;
   info["file_bytes"] = std::int64_t(std::filesystem::file_size(in.path));
   if (in.file.hasGrid(visible_fraction_name)) {
-    const auto grid = in.file.readGridMetadata(visible_fraction_name);
-    if (const auto count = grid->getMetadata<openvdb::Int64Metadata>(openvdb::GridBase::META_FILE_VOXEL_COUNT))
-      info["active_vertices"] = std::int64_t(count->value());
+    // In finer levels visible_fraction is active in whole bricks, of which not all vertices store something.
+    const char* of_finer = in.file.hasGrid(variance_name) ? variance_name : "sum_0_0_r";
+    std::int64_t active = 0;
+    for (int level = 0; level < in.stored_levels(); ++level) {
+      const std::string grid_name = (level == 0 ? visible_fraction_name : of_finer) + level_suffix(level);
+      if (!in.file.hasGrid(grid_name)) throw in.missing("grid " + grid_name);
+      const auto grid = in.file.readGridMetadata(grid_name);
+      if (const auto count = grid->getMetadata<openvdb::Int64Metadata>(openvdb::GridBase::META_FILE_VOXEL_COUNT))
+        active += std::int64_t(count->value());
+      else
+        continue;
+      info["active_vertices"] = active;
+    }
   }
   return info;
 }

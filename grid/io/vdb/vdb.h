@@ -6,6 +6,9 @@
 // visible_fraction (float), variance (Vec3f) and the guard (guard_0, guard_1: Vec3f, see layout.h). Sparse: a vertex
 // that stores nothing is inactive.
 //
+// A grid of several spacings has all of these for each level, the finer ones' names ending in _level1, _level2 and so
+// on, with a transform a level: see layout.h.
+//
 // Files by ivory bear a checksum of all their bytes, and damage is told by it. Files that another program has saved
 // again bear none: OpenVDB's parser, which trusts its input and may crash over damage, meets their bytes first. Who
 // cannot bear that calls resave_vdb() in a process of its own and reads what that returns.

@@ -1,6 +1,7 @@
 // Writing half of grid/io/vdb/vdb.h.
 #include <algorithm>
 #include <cassert>
+#include <span>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -19,8 +20,8 @@ namespace {
 
 using Vec3fGrid = openvdb::Vec3SGrid;
 
-openvdb::math::Transform::Ptr transform_of(const GridVertices& grid) {
-  const auto m = transform_matrix({grid.frame, grid.anchor_m});
+openvdb::math::Transform::Ptr transform_of(const GridVertices& grid, int level) {
+  const auto m = transform_matrix({grid.frame_of(level), grid.anchor_m});
   return openvdb::math::Transform::createLinearTransform(openvdb::Mat4d(m.data()));
 }
 
@@ -73,6 +74,7 @@ openvdb::MetaMap common_metadata(const char* kind, const GridVertices& vertices)
     const auto& row = frame.local_to_world[axis];
     put(map, file_prefix + "axis_" + "xyz"[axis], V3f(row[0], row[1], row[2]));
   }
+  if (vertices.levels() > 1) put(map, file_prefix + levels_key, std::int64_t(vertices.levels()));
   put(map, meta_prefix + light_key, name_of(vertices.light));
   for (const auto& [key, value] : vertices.metadata) {
     assert(!(meta_prefix + key).starts_with(file_prefix));
@@ -81,36 +83,58 @@ openvdb::MetaMap common_metadata(const char* kind, const GridVertices& vertices)
   return map;
 }
 
-// A grid of the vertices that `active` marks; value(vertex) gives what they hold.
-template <typename Grid, typename Value>
-openvdb::GridBase::Ptr make_grid(const std::string& grid_name, const openvdb::math::Transform::Ptr& transform,
-                                 const GridFrame& frame, const std::vector<bool>& active, const Value& value) {
+// An empty grid of the file.
+template <typename Grid>
+typename Grid::Ptr make_grid(const std::string& grid_name, const openvdb::math::Transform::Ptr& transform) {
   // From OpenVDB's registry: Grid::create() would compile all virtual functions of Grid and its tree here.
   const auto grid = openvdb::gridPtrCast<Grid>(openvdb::GridBase::createGrid(Grid::gridType()));
   grid->setName(grid_name);
   grid->setCreator("ivory " IVORY_VERSION);
   grid->setTransform(transform);
-  typename Grid::Accessor accessor = grid->getAccessor();
-  std::size_t vertex = 0;
-  for (int k = 0; k < frame.size.z; ++k) {
-    for (int j = 0; j < frame.size.y; ++j) {
-      for (int i = 0; i < frame.size.x; ++i, ++vertex) {
-        if (active[vertex]) accessor.setValueOn(openvdb::Coord(i, j, k), value(vertex));
-      }
-    }
-  }
   return grid;
 }
 
-// The grids that say what the vertices can see.
+// Numbers of vertices of one level, half-open.
+struct VertexRange {
+  std::size_t first = 0;
+  std::size_t last = 0;
+};
+VertexRange vertices_of(const Lattice& lattice, int level) {
+  const std::size_t first = lattice.first_vertex_of(level);
+  return {first, first + lattice.vertex_count_of(level)};
+}
+
+// Sets value(vertex) at those of a level's vertices in the range that `active` marks.
+template <typename Grid, typename Value>
+void fill(Grid& grid, const Lattice& lattice, const VertexRange& range, const std::vector<bool>& active,
+          const Value& value) {
+  typename Grid::Accessor accessor = grid.getAccessor();
+  for (std::size_t vertex = range.first; vertex < range.last; ++vertex) {
+    if (!active[vertex]) continue;
+    const V3i at = lattice.place_of(std::uint32_t(vertex)).at;
+    accessor.setValueOn(openvdb::Coord(at.x, at.y, at.z), value(vertex));
+  }
+}
+
+template <typename Grid, typename Value>
+typename Grid::Ptr make_grid(const std::string& grid_name, const openvdb::math::Transform::Ptr& transform,
+                             const Lattice& lattice, int level, const std::vector<bool>& active, const Value& value) {
+  const auto grid = make_grid<Grid>(grid_name + level_suffix(level), transform);
+  fill(*grid, lattice, vertices_of(lattice, level), active, value);
+  return grid;
+}
+
+// The grids that say what the vertices of a level can see.
 void add_visibility(openvdb::GridCPtrVec& grids, const openvdb::math::Transform::Ptr& transform,
-                    const GridVertices& vertices, const std::vector<bool>& active) {
-  grids.push_back(make_grid<openvdb::FloatGrid>(visible_fraction_name, transform, vertices.frame, active,
+                    const GridVertices& vertices, int level, const std::vector<bool>& active) {
+  const std::vector<bool> all(level == 0 ? 0 : active.size(), true);
+  grids.push_back(make_grid<openvdb::FloatGrid>(visible_fraction_name, transform, vertices, level,
+                                                level == 0 ? active : all,
                                                 [&](std::size_t vertex) { return vertices.visible_fraction[vertex]; }));
   if (vertices.guard.empty()) return;
   for (int half = 0; half < 2; ++half) {
     const auto grid =
-        make_grid<Vec3fGrid>(guard_name(half), transform, vertices.frame, active, [&](std::size_t vertex) {
+        make_grid<Vec3fGrid>(guard_name(half), transform, vertices, level, active, [&](std::size_t vertex) {
           const auto floats = floats_from_guard(vertices.guard[vertex]);
           return openvdb::Vec3s(floats.data() + 3 * half);
         });
@@ -160,38 +184,61 @@ void check_voxels(const std::string& path, const GridFrame& frame) {
               "ask for larger voxels, or take the scene's units for larger ones");
 }
 
+namespace {
+
+// The moments' grids of a level. File values of some vertices at a time, of which each field takes its own.
+void add_fields(openvdb::GridCPtrVec& grids, const openvdb::math::Transform::Ptr& transform, const IrradianceGrid& grid,
+                int level, const std::vector<bool>& active) {
+  constexpr std::size_t vertices_at_once = 1 << 16;
+  const auto stride = std::size_t(grid.stride());
+  const auto stored_stride = std::size_t(file_stride(grid.basis));
+  const std::vector<VectorField> fields = vector_fields(grid.basis);
+  std::vector<Vec3fGrid::Ptr> filled;
+  for (const VectorField& field : fields) {
+    const auto made = make_grid<Vec3fGrid>(field.name + level_suffix(level), transform->copy());
+    // Vectors turn with the grid but are kept in its own axes, whatever its transform does.
+    made->setIsInWorldSpace(!field.is_vector);
+    made->setVectorType(field.is_vector ? openvdb::VEC_CONTRAVARIANT_RELATIVE : openvdb::VEC_INVARIANT);
+    filled.push_back(made);
+    grids.push_back(made);
+  }
+  const VertexRange all = vertices_of(grid, level);
+  for (std::size_t first = all.first; first < all.last; first += vertices_at_once) {
+    const VertexRange range{first, std::min(first + vertices_at_once, all.last)};
+    const std::vector<float> values = file_values_from_moments(
+        grid.basis, std::span(grid.moments.data() + range.first * stride, (range.last - range.first) * stride));
+    tbb::parallel_for(std::size_t(0), fields.size(), [&](std::size_t i) {
+      const auto& offset = fields[i].offset;
+      fill(*filled[i], grid, range, active, [&](std::size_t vertex) {
+        const float* v = values.data() + (vertex - range.first) * stored_stride;
+        return openvdb::Vec3s(v[offset[0]], v[offset[1]], v[offset[2]]);
+      });
+    });
+  }
+}
+
+}  // namespace
+
 void write_vdb(const std::string& path, const IrradianceGrid& grid, bool force) {
-  check_voxels(path, grid.frame);
+  check_voxels(path, grid.finest_frame());
   openvdb::initialize();
   guarded(path, [&] {
-    const std::vector<float> values = file_values_from_moments(grid.basis, grid.moments);
-    const auto stride = std::size_t(file_stride(grid.basis));
-    const auto transform = transform_of(grid);
-    std::vector<bool> active(grid.frame.vertex_count());
+    std::vector<bool> active(grid.vertex_count());
     for (std::size_t vertex = 0; vertex < active.size(); ++vertex) active[vertex] = grid.visible_fraction[vertex] > 0;
 
     openvdb::GridCPtrVec grids;
-    const std::vector<VectorField> fields = vector_fields(grid.basis);
-    grids.resize(fields.size());
-    tbb::parallel_for(std::size_t(0), fields.size(), [&](std::size_t i) {
-      const auto& offset = fields[i].offset;
-      const auto field =
-          make_grid<Vec3fGrid>(fields[i].name, transform->copy(), grid.frame, active, [&](std::size_t vertex) {
-            const float* v = values.data() + vertex * stride;
-            return openvdb::Vec3s(v[offset[0]], v[offset[1]], v[offset[2]]);
+    for (int level = 0; level < grid.levels(); ++level) {
+      const auto transform = transform_of(grid, level);
+      add_fields(grids, transform, grid, level, active);
+      const auto variance =
+          make_grid<Vec3fGrid>(variance_name, transform, grid, level, active, [&](std::size_t vertex) {
+            const Rgb& v = grid.variance[vertex];
+            return openvdb::Vec3s(v.x, v.y, v.z);
           });
-      // Vectors turn with the grid but are kept in its own axes, whatever its transform does.
-      field->setIsInWorldSpace(!fields[i].is_vector);
-      field->setVectorType(fields[i].is_vector ? openvdb::VEC_CONTRAVARIANT_RELATIVE : openvdb::VEC_INVARIANT);
-      grids[i] = field;
-    });
-    const auto variance = make_grid<Vec3fGrid>(variance_name, transform, grid.frame, active, [&](std::size_t vertex) {
-      const Rgb& v = grid.variance[vertex];
-      return openvdb::Vec3s(v.x, v.y, v.z);
-    });
-    variance->setVectorType(openvdb::VEC_INVARIANT);
-    grids.push_back(variance);
-    add_visibility(grids, transform, grid, active);
+      variance->setVectorType(openvdb::VEC_INVARIANT);
+      grids.push_back(variance);
+      add_visibility(grids, transform, grid, level, active);
+    }
 
     const openvdb::MetaMap metadata = common_metadata(vdb_grid_kind, grid);
     add_metadata_copy(grids, metadata);
@@ -200,26 +247,30 @@ void write_vdb(const std::string& path, const IrradianceGrid& grid, bool force) 
 }
 
 void write_vdb(const std::string& path, const GridAccumulator& accumulator, bool force) {
-  check_voxels(path, accumulator.frame);
+  check_voxels(path, accumulator.finest_frame());
   openvdb::initialize();
   guarded(path, [&] {
     const std::vector<std::string> names = sum_field_names(sum_layout(accumulator.basis, accumulator.estimator));
     const std::size_t stride = names.size();
-    const auto transform = transform_of(accumulator);
-    std::vector<bool> active(accumulator.frame.vertex_count());
+    std::vector<bool> active(accumulator.vertex_count());
     for (std::size_t vertex = 0; vertex < active.size(); ++vertex) {
       const auto first = accumulator.sums.begin() + std::ptrdiff_t(vertex * stride);
       active[vertex] = accumulator.visible_fraction[vertex] > 0 ||
                        std::any_of(first, first + std::ptrdiff_t(stride), [](std::int64_t sum) { return sum != 0; });
     }
 
-    openvdb::GridCPtrVec grids(stride);
-    tbb::parallel_for(std::size_t(0), stride, [&](std::size_t i) {
-      grids[i] =
-          make_grid<openvdb::Int64Grid>(names[i], transform->copy(), accumulator.frame, active,
-                                        [&](std::size_t vertex) { return accumulator.sums[vertex * stride + i]; });
-    });
-    add_visibility(grids, transform, accumulator, active);
+    openvdb::GridCPtrVec grids;
+    for (int level = 0; level < accumulator.levels(); ++level) {
+      const auto transform = transform_of(accumulator, level);
+      const std::size_t before = grids.size();
+      grids.resize(before + stride);
+      tbb::parallel_for(std::size_t(0), stride, [&](std::size_t i) {
+        grids[before + i] =
+            make_grid<openvdb::Int64Grid>(names[i], transform->copy(), accumulator, level, active,
+                                          [&](std::size_t vertex) { return accumulator.sums[vertex * stride + i]; });
+      });
+      add_visibility(grids, transform, accumulator, level, active);
+    }
 
     openvdb::MetaMap metadata = common_metadata(vdb_accumulator_kind, accumulator);
     put(metadata, file_prefix + "estimator", name_of(accumulator.estimator));
