@@ -7,6 +7,7 @@
 #include "grid/base/anchor.h"
 #include "grid/base/error.h"
 #include "grid/field/resolve.h"
+#include "grid/io/file.h"
 #include "grid/io/vdb/vdb.h"
 #include "tools/bake/grid_contract.h"
 #include "tools/bake/grid_report.h"
@@ -73,15 +74,16 @@ void run_contract(const BakeGridOptions& options, const GridBakeParams& bake, co
     return bake_to_error(input.lit, params);
   }();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  check_voxels(options.output, contract.sums.frame);
+  check_voxels(options.output, contract.sums.finest_frame());
   for (const auto& [key, value] : input.origin) contract.sums.metadata[key] = value;
   contract.sums.metadata["version"] = std::string(IVORY_VERSION);
   keep_contract(contract, options.contract);
-  std::optional<IrradianceGrid> for_report;
-  if (!options.contract.report.empty() && contract.certificate) for_report = resolve(contract.sums);
+  std::string report;
+  if (!options.contract.report.empty() && contract.certificate)
+    report = grid_report(options.output, input.lit, resolve(contract.sums), contract, params.lookup);
   auto result = write_result(options.output, std::move(contract.sums), /*finished=*/true, common);
-  if (for_report) {
-    write_grid_report(options.contract.report, options.output, input.lit, *for_report, contract, params.lookup, common);
+  if (!report.empty()) {
+    write_file(options.contract.report, report, common.force);
     result["report"] = options.contract.report;
   }
   result["plan"] = plan_json(contract.plan, params.target, anchor_m);

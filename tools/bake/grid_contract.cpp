@@ -145,7 +145,8 @@ Json plan_json(const GridPlan& plan, double target, const V3d& anchor_m) {
             {"resolution", {frame.size.x, frame.size.y, frame.size.z}},
             {"spacing_m", {shortest(frame.spacing_m.x), shortest(frame.spacing_m.y), shortest(frame.spacing_m.z)}},
             {"origin_m", shortest(frame.origin_m, anchor_m)},
-            {"vertices", frame.vertex_count()},
+            {"levels", plan.levels},
+            {"vertices", plan.vertices},
             {"photons", plan.photons},
             {"error", range_json(plan.error)},
             {"bias", plan.bias},
@@ -167,9 +168,11 @@ Json plan_json(const GridPlan& plan, double target, const V3d& anchor_m) {
 
 std::string plan_text(const GridPlan& plan, double target) {
   const GridFrame& frame = plan.frame;
-  std::string text = fmt::format("plan: {}x{}x{} vertices, {:.4g} x {:.4g} x {:.4g} m apart, {} photons\n",
-                                 frame.size.x, frame.size.y, frame.size.z, frame.spacing_m.x, frame.spacing_m.y,
-                                 frame.spacing_m.z, format_count(double(plan.photons)));
+  const std::string count = plan.levels == 1
+                                ? fmt::format("{}x{}x{} vertices", frame.size.x, frame.size.y, frame.size.z)
+                                : fmt::format("{} vertices on {} levels, the finest", plan.vertices, plan.levels);
+  std::string text = fmt::format("plan: {}, {:.4g} x {:.4g} x {:.4g} m apart, {} photons\n", count, frame.spacing_m.x,
+                                 frame.spacing_m.y, frame.spacing_m.z, format_count(double(plan.photons)));
   if (plan.error.expected > 0) {
     text += fmt::format("error {}: bias {}, noise {}; asked for {}\n", range_text(plan.error, format_share),
                         format_share(plan.bias), format_share(plan.noise), format_share(target));

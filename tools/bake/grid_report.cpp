@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "grid/io/file.h"
 #include "tools/bake/report_pictures.h"
 #include "tools/cli/numbers.h"
 #include "tools/cli/target_error.h"
@@ -177,9 +176,8 @@ std::string view_html(const ReportView& view) {
 
 }  // namespace
 
-void write_grid_report(const std::string& path, const std::string& grid_path, const LitScene& lit,
-                       const IrradianceGrid& grid, const ContractResult& contract, const LookupParams& lookup,
-                       const CommonOptions& common) {
+std::string grid_report(const std::string& grid_path, const LitScene& lit, const IrradianceGrid& grid,
+                        const ContractResult& contract, const LookupParams& lookup) {
   const FieldCertificate& certificate = *contract.certificate;
   const Certificate& c = certificate.summary;
   const ReportScales scales = report_scales(certificate);
@@ -206,7 +204,7 @@ void write_grid_report(const std::string& path, const std::string& grid_path, co
                          : " Vertices: blue to red from coarse to fine, dark where no light came.");
   for (const ReportView& view : report_views(lit, grid, certificate, lookup)) html += view_html(view);
   html += "<h2>Worst places</h2>\n" + worst_table(certificate) + "</html>\n";
-  write_file(path, html, common.force);
+  return html;
 }
 
 }  // namespace ivory

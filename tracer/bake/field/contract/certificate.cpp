@@ -237,7 +237,7 @@ std::optional<FieldCertificate> certify(const LitScene& lit, const IrradianceGri
   parts["unseen"] =
       share(mean_over(out.points, [](const MeasuredPoint& p) { return p.reading.unseen ? p.sample.square : 0; }));
   if (params.directions && grid.light == StoredLight::indirect) {
-    const DirectionErrors errors = direction_errors(lit, out.points, grid.frame, out.mean_e_lux, params.truth);
+    const DirectionErrors errors = direction_errors(lit, out.points, grid.finest_frame(), out.mean_e_lux, params.truth);
     out.direction_vectors = errors.vectors;
     out.direction_vectors9 = errors.vectors9;
     out.direction_sh9 = errors.sh9;

@@ -67,9 +67,20 @@ GridAccumulator merged(GridAccumulator first, GridAccumulator second) {
   return merge(std::move(two), {"the photons at hand", "those added to them"});
 }
 
+// Spacings side by side, each twice the one before, as many as leave the coarsest at least 12 vertices along the
+// longest side: fine where surfaces are, coarse in the open. Only sums of the track estimator can be kept so.
+int levels_for(double layers, Estimator estimator) {
+  constexpr double coarsest = 12;
+  constexpr int most = 6;
+  if (estimator != Estimator::track) return 1;
+  return std::clamp(1 + int(std::floor(std::log2(layers / coarsest))), 1, most);
+}
+
 struct Candidate {
   GridBakeParams bake;
-  GridFrame frame;
+  Lattice lattice;
+
+  const GridFrame& finest() const { return lattice.finest_frame(); }
 };
 
 class Planner {
@@ -93,9 +104,9 @@ class Planner {
     make_candidates();
     if (mean_e_ <= 0) return unknown_plan();
     const bool fixed = candidates_.size() == 1;
-    double layers = fixed ? std::min(double(coarsest_layers), layers_of(candidates_[0].frame)) : coarsest_layers;
+    double layers = fixed ? std::min(double(coarsest_layers), layers_of(candidates_[0].finest())) : coarsest_layers;
     pilot(layers);
-    if (!fixed || layers * 2 <= layers_of(candidates_[0].frame)) pilot(layers *= 2);
+    if (!fixed || layers * 2 <= layers_of(candidates_[0].finest())) pilot(layers *= 2);
     measure_direction();
     choose();
     // Extrapolating by more than 1.8 is not to be trusted; a pilot of twice the resolution is to cost a quarter of the
@@ -103,7 +114,7 @@ class Planner {
     constexpr double far = 1.8;
     constexpr double worth = 0.25;
     for (;;) {
-      const GridFrame& chosen = candidates_[chosen_.spacing].frame;
+      const GridFrame& chosen = candidates_[chosen_.spacing].finest();
       const double spacing_m = longest_m(cover_) / (2 * layers);
       if (spacing_of(chosen) * far >= 2 * spacing_m) break;
       if (pilot_seconds(2 * layers) > worth * chosen_.seconds) break;
@@ -120,7 +131,6 @@ class Planner {
     if (mean_e_ <= 0) {
       GridBakeParams bake = params_.bake;
       bake.photons = out.plan.photons;
-      bake.frame = out.plan.frame;
       out.sums = bake_grid_sums(lit_, bake);
       return out;
     }
@@ -192,7 +202,7 @@ class Planner {
   void make_candidates() {
     const GridBakeParams& asked = params_.bake;
     if (asked.resolution || asked.voxel_size_m || asked.frame) {
-      candidates_ = {{asked, asked.frame ? *asked.frame : default_frame(*lit_.scene, asked)}};
+      candidates_ = {{asked, default_lattice(*lit_.scene, asked)}};
       return;
     }
     const double limit = memory_limit_bytes(asked);
@@ -201,29 +211,35 @@ class Planner {
       const double layers = coarsest_layers * std::exp2(quarter / 4.0);
       constexpr double hair = 1 + 1e-6;  // less than one voxel over
       c.bake.voxel_size_m = float(longest_m(cover_) * hair / layers);
+      c.bake.levels = levels_for(layers, asked.estimator);
       try {
-        c.frame = default_frame(*lit_.scene, c.bake);
+        c.lattice = default_lattice(*lit_.scene, c.bake);
       } catch (const ParameterError&) {
-        break;  // too fine to number the vertices
+        limited_by_ = "the number of vertices that a grid may have";
+        break;
+      } catch (const Error&) {
+        limited_by_ = fmt::format("memory of {:.3g} GiB", limit / 1073741824.0);
+        break;
       }
-      if (grid_memory_bytes(c.frame, c.bake, 1) > limit) {
+      if (grid_memory_bytes(c.lattice, c.bake, 1) > limit) {
         limited_by_ = fmt::format("memory of {:.3g} GiB", limit / 1073741824.0);
         break;
       }
       candidates_.push_back(c);
     }
     if (candidates_.empty()) {  // even the coarsest is too much: says so by itself
-      check_grid_memory(*lit_.scene, default_frame(*lit_.scene, asked), asked);
-      candidates_ = {{asked, default_frame(*lit_.scene, asked)}};
+      const Lattice usual = default_lattice(*lit_.scene, asked);
+      check_grid_memory(*lit_.scene, usual, asked);
+      candidates_ = {{asked, usual}};
     }
   }
 
-  double pilot_photons(const GridFrame& frame) const {
-    const double vertices = double(frame.vertex_count());
+  double pilot_photons(const Lattice& lattice) const {
+    const double vertices = double(lattice.vertex_count());
     const double least = std::max(least_pilot_photons, least_pilot_photons_a_vertex * vertices);
     if (pilots_.empty()) return least;
     const ErrorModel model = fit_errors(pilots_, 0);
-    const double spacing_m = spacing_of(frame);
+    const double spacing_m = spacing_of(lattice.finest_frame());
     const double noise = std::max(model.bias(spacing_m), aim_of_target * params_.target);
     const double photons = model.noise_photons / std::pow(noise * spacing_m, 2);
     return std::clamp(photons, least, std::max(least, most_pilot_photons_a_vertex * vertices));
@@ -232,27 +248,31 @@ class Planner {
   GridBakeParams pilot_params(double layers) const {
     GridBakeParams bake = params_.bake;
     bake.progress = nullptr;
-    if (candidates_.size() == 1 && layers_of(candidates_[0].frame) <= layers) {
-      bake.frame = candidates_[0].frame;
+    bake.pilot_progress = nullptr;
+    if (candidates_.size() == 1 && layers_of(candidates_[0].finest()) <= layers) {
+      bake.lattice = candidates_[0].lattice;
       return bake;
     }
+    bake.frame.reset();
     bake.resolution.reset();
     constexpr double hair = 1 + 1e-6;
     bake.voxel_size_m = float(longest_m(cover_) * hair / layers);
-    bake.frame = default_frame(*lit_.scene, bake);
+    if (candidates_.size() > 1) bake.levels = levels_for(layers, bake.estimator);
+    bake.lattice = default_lattice(*lit_.scene, bake);
     return bake;
   }
 
   double pilot_seconds(double layers) const {
-    const GridFrame frame = *pilot_params(layers).frame;
-    if (grid_memory_bytes(frame, params_.bake, 1) > memory_limit_bytes(params_.bake))
+    const Lattice lattice = *pilot_params(layers).lattice;
+    if (grid_memory_bytes(lattice, params_.bake, 1) > memory_limit_bytes(params_.bake))
       return std::numeric_limits<double>::infinity();
-    return 2 * costs_.seconds(double(frame.vertex_count()), layers_of(frame), pilot_photons(frame) / 2);
+    return 2 * costs_.seconds(double(lattice.vertex_count()), layers_of(lattice.finest_frame()),
+                              pilot_photons(lattice) / 2);
   }
 
   void pilot(double layers) {
     const GridBakeParams bake = pilot_params(layers);
-    const double photons = pilot_photons(*bake.frame);
+    const double photons = pilot_photons(*bake.lattice);
     PilotErrors errors = pilot(bake, photons);
     // The first one's photons are a guess.
     constexpr double too_much = 1.5;
@@ -267,8 +287,11 @@ class Planner {
   // Two halves of its photons tell the grid's bias, (a - E)(b - E), and the noise of both together, (a - b)^2 / 4,
   // without a model of either.
   PilotErrors pilot(GridBakeParams bake, double photons_wanted) {
-    const GridFrame frame = *bake.frame;
+    const Lattice& lattice = *bake.lattice;
+    const GridFrame& frame = lattice.finest_frame();
     const auto photons = std::uint64_t(photons_wanted) / 2 * 2;
+    guide_photons_ = photons;
+    bake.pilot_for_photons = photons;
     const auto start = Clock::now();
     bake.photons = photons;
     bake.photon_range = {{0, photons / 2}};
@@ -276,7 +299,7 @@ class Planner {
     bake.photon_range = {{photons / 2, photons}};
     GridAccumulator second = bake_grid_sums(lit_, bake);
     measured_seconds_ += seconds_since(start);
-    modelled_seconds_ += 2 * costs_.seconds(double(frame.vertex_count()), layers_of(frame), double(photons) / 2);
+    modelled_seconds_ += 2 * costs_.seconds(double(lattice.vertex_count()), layers_of(frame), double(photons) / 2);
     const IrradianceGrid a = resolve(first);
     const IrradianceGrid b = resolve(second);
     std::vector<std::array<double, 3>> squares(points_.size());
@@ -303,7 +326,7 @@ class Planner {
                      frame.size.y, frame.size.z, photons, 100 * errors.bias, 100 * errors.noise));
     double stored = 0;
     for (const float fraction : first.visible_fraction) stored += fraction > 0 ? 1 : 0;
-    stored_share_ = stored / double(frame.vertex_count());
+    stored_share_ = stored / double(lattice.vertex_count());
     photons_range_ = {0, photons};
     sums_ = merged(std::move(first), std::move(second));
     return errors;
@@ -314,7 +337,7 @@ class Planner {
     std::vector<MeasuredPoint> points;
     for (const TruePoint& point : points_) points.push_back({point, {}, {}});
     const DirectionErrors errors =
-        direction_errors(lit_, points, *pilot_params(2 * coarsest_layers).frame, mean_e_, truth_);
+        direction_errors(lit_, points, pilot_params(2 * coarsest_layers).lattice->finest_frame(), mean_e_, truth_);
     direction_sh9_ = errors.sh9;
     if (params_.bake.basis == Basis::vectors) direction_ = errors.vectors;
     if (params_.bake.basis == Basis::vectors9) direction_ = errors.vectors9;
@@ -344,11 +367,13 @@ class Planner {
     return limits;
   }
 
+  bool at_hand_is(const Lattice& lattice) const { return static_cast<const Lattice&>(*sums_) == lattice; }
+
   void choose() {
     std::vector<Spacing> spacings;
     for (const Candidate& c : candidates_) {
-      const bool at_hand = sums_ && sums_->frame == c.frame;
-      spacings.push_back({spacing_of(c.frame), double(c.frame.vertex_count()), layers_of(c.frame),
+      const bool at_hand = sums_ && at_hand_is(c.lattice);
+      spacings.push_back({spacing_of(c.finest()), double(c.lattice.vertex_count()), layers_of(c.finest()),
                           at_hand ? double(photons_range_.second) : 0});
     }
     model_ = fit_errors(pilots_, direction_);
@@ -357,7 +382,10 @@ class Planner {
 
   GridPlan describe() const {
     GridPlan plan;
-    plan.frame = candidates_[chosen_.spacing].frame;
+    const Lattice& lattice = candidates_[chosen_.spacing].lattice;
+    plan.frame = lattice.finest_frame();
+    plan.levels = lattice.levels();
+    plan.vertices = lattice.vertex_count();
     plan.photons = chosen_.photons;
     // RMS differences between spacings guess the error to within 0.77 to 1.5; points with their truth do better.
     plan.error = {0.8 * chosen_.error, chosen_.error, 1.25 * chosen_.error};
@@ -369,11 +397,11 @@ class Planner {
     const double seconds = bake_seconds + certificate_paths_ * path_seconds_;
     plan.seconds = {0.6 * seconds, seconds, 1.8 * seconds};
     const int threads = params_.bake.threads > 0 ? params_.bake.threads : tbb::this_task_arena::max_concurrency();
-    const double one = grid_memory_bytes(plan.frame, params_.bake, 1);
-    const double all = grid_memory_bytes(plan.frame, params_.bake, threads);
+    const double one = grid_memory_bytes(lattice, params_.bake, 1);
+    const double all = grid_memory_bytes(lattice, params_.bake, threads);
     plan.memory_bytes = {one, std::min(all, memory_limit_bytes(params_.bake)), all};
     const double a_vertex = 12.0 * function_count(params_.bake.basis) + 4 + 12 + 16;
-    const double file = a_vertex * stored_share_ * double(plan.frame.vertex_count());
+    const double file = a_vertex * stored_share_ * double(plan.vertices);
     plan.file_bytes = {0.6 * file, 0.9 * file, 1.2 * file};
     plan.meets = chosen_.meets;
     if (!plan.meets) plan.limited_by = what_limits();
@@ -394,28 +422,37 @@ class Planner {
   // The bake that would be made without any of this.
   GridPlan unknown_plan() const {
     GridPlan plan;
-    plan.frame = params_.bake.frame ? *params_.bake.frame : default_frame(*lit_.scene, params_.bake);
-    plan.photons =
-        params_.bake.photons != 0
-            ? params_.bake.photons
-            : std::uint64_t(std::max(least_usual_photons, usual_photons_a_vertex * double(plan.frame.vertex_count())));
+    const Lattice usual = default_lattice(*lit_.scene, params_.bake);
+    plan.frame = usual.finest_frame();
+    plan.vertices = usual.vertex_count();
+    plan.photons = params_.bake.photons != 0
+                       ? params_.bake.photons
+                       : std::uint64_t(std::max(least_usual_photons, usual_photons_a_vertex * double(plan.vertices)));
     plan.limited_by = "light: it reaches too little of the domain to plan by";
     return plan;
   }
 
   void bake_chosen() {
+    const Lattice& lattice = candidates_[chosen_.spacing].lattice;
     GridBakeParams bake = candidates_[chosen_.spacing].bake;
-    bake.frame = candidates_[chosen_.spacing].frame;
+    bake.lattice = lattice;
     bake.photons = chosen_.photons;
     const auto start = Clock::now();
-    const bool goes_on = sums_ && sums_->frame == *bake.frame && photons_range_.second <= chosen_.photons;
-    note(fmt::format("{} {}x{}x{} vertices, {:.4g} m apart, to {} photons", goes_on ? "going on with" : "baking",
-                     bake.frame->size.x, bake.frame->size.y, bake.frame->size.z, spacing_of(*bake.frame),
-                     chosen_.photons));
+    // Where photons are sent was found out for so many of them; for many more it is worth another look.
+    constexpr double stale = 8;
+    const bool goes_on =
+        sums_ && at_hand_is(lattice) && photons_range_.second <= chosen_.photons &&
+        (bake.emission != EmissionMode::guided || double(chosen_.photons) <= stale * double(guide_photons_));
+    note(fmt::format("{} {} vertices on {} level{}, {:.4g} m apart{}, to {} photons",
+                     goes_on ? "going on with" : "baking", lattice.vertex_count(), lattice.levels(),
+                     lattice.levels() == 1 ? "" : "s", spacing_of(lattice.finest_frame()),
+                     lattice.levels() == 1 ? "" : " on the finest", chosen_.photons));
     if (!goes_on) {
       sums_.reset();
+      guide_photons_ = chosen_.photons;
       sums_ = bake_grid_sums(lit_, bake);
     } else if (photons_range_.second < chosen_.photons) {
+      bake.pilot_for_photons = guide_photons_;
       bake.photon_range = {{photons_range_.second, chosen_.photons}};
       GridAccumulator more = bake_grid_sums(lit_, bake);
       sums_->metadata["photons"] = more.metadata["photons"];
@@ -423,6 +460,7 @@ class Planner {
     }
     measured_seconds_ += seconds_since(start);
     modelled_seconds_ += chosen_.seconds;
+    bake_seconds_ += chosen_.seconds;
     photons_range_ = {0, chosen_.photons};
   }
 
@@ -432,6 +470,10 @@ class Planner {
     measure.lookup = params_.lookup;
     measure.truth = truth_;
     measure.first_point = std::uint64_t(round - 1) * points_a_round;
+    // Half of the bake's own work at most, or some seconds.
+    constexpr double least_paths = 1'000'000;
+    constexpr double path_s = 2e-6;  // of the cost model's machine
+    measure.most_paths = std::uint64_t(std::clamp(bake_seconds_ / 2 / path_s, least_paths, double(measure.most_paths)));
     return certify(lit_, resolve(*sums_), domain_, measure);
   }
 
@@ -464,7 +506,7 @@ class Planner {
     const double error = reached.error;
     if (error <= params_.target) return false;
     const double noise = std::min(reached.noise, 0.95 * error);
-    const PilotErrors here{spacing_of(sums_->frame), double(photons_range_.second),
+    const PilotErrors here{spacing_of(sums_->finest_frame()), double(photons_range_.second),
                            std::sqrt(std::max(error * error - noise * noise, 1e-8)), noise};
     std::erase_if(pilots_, [&](const PilotErrors& p) { return p.spacing_m <= here.spacing_m * 1.05; });
     pilots_.push_back(here);
@@ -497,12 +539,14 @@ class Planner {
   std::vector<PilotErrors> pilots_;
   double measured_seconds_ = 0;
   double modelled_seconds_ = 0;
+  double bake_seconds_ = 0;  // modelled, the pilots' not counted
   double stored_share_ = 1;
   ErrorModel model_;
   Plan chosen_;
 
   std::optional<GridAccumulator> sums_;  // of the last pilot, then of the bake
   std::pair<std::uint64_t, std::uint64_t> photons_range_{0, 0};
+  std::uint64_t guide_photons_ = 0;  // that the emission of `sums_` was guided for
 };
 
 int thread_limit(const ContractParams& params) {

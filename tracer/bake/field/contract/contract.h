@@ -35,7 +35,9 @@ struct Range {
   double high = 0;
 };
 struct GridPlan {
-  GridFrame frame;
+  GridFrame frame;  // of the finest level
+  int levels = 1;
+  std::size_t vertices = 0;
   std::uint64_t photons = 0;
   Range error;      // share of mean E
   double bias = 0;  // of it, shares likewise

@@ -33,7 +33,7 @@ bool is_near_contact(const Intersector& intersector, const DomainPoint& at, floa
 std::string cause_of(const LitScene& lit, const MeasuredPoint& m, const IrradianceGrid& grid) {
   const V3d off = m.reading.e - m.point.truth.e;
   const double square = off.length2() / 3;
-  const V3f& h = grid.frame.spacing_m;
+  const V3f& h = grid.finest_frame().spacing_m;
   if (m.reading.unseen) return "no vertex sees it: a gap thinner than a voxel, or the grid ends";
   if (mean_of(m.reading.noise) > 0.25 * square) return "photon noise: too few photons come here";
   const V3d planes = m.reading.e_by_planes - m.point.truth.e;
@@ -60,7 +60,7 @@ std::vector<WorstPlace> worst_places(const LitScene& lit, const std::vector<Meas
     return points[a].sample.weight * points[a].sample.square > points[b].sample.weight * points[b].sample.square;
   });
   const V3f extent = V3f(grid.frame.size) * grid.frame.spacing_m;
-  const V3f& h = grid.frame.spacing_m;
+  const V3f& h = grid.finest_frame().spacing_m;
   const float apart_m = std::max(2 * std::max({h.x, h.y, h.z}), 0.05F * extent.length());
   std::vector<WorstPlace> out;
   std::vector<V3f> taken;
