@@ -36,8 +36,8 @@ constexpr std::uint64_t photons_a_batch = 256;
 constexpr int longest_side = 16;  // cells
 constexpr double defensive = 0.125;
 constexpr double dim = 0.1;
-constexpr double dim_of_window = 0.02;
-constexpr double least_power = 1.0 / 32;  // of what most photons carry
+constexpr double dim_of_window = 0.01;
+constexpr double least_power = 1.0 / 64;  // of what most photons carry
 
 // A step of a photon's way inside a cell.
 struct Visit {
