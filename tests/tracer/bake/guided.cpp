@@ -306,10 +306,10 @@ TEST(Guided, DarkRoomsGetMorePhotons) {
   // A quarter or less for certain; one in a thousand of ratios of variances from 12 seeds each is 8 times off.
   EXPECT_LT(std::get<1>(guided).variance(), 0.7 * std::get<1>(even).variance());
   // Pieces of one photon are not independent, as the grid's own error takes them to be; it holds all the same, to what
-  // 12 seeds know of a variance (a factor of 3 in 500 of 1,000) and its own bound on E from vectors.
+  // 12 seeds know of a variance (to a factor of 3 at worst), and up to a half and more too large (irradiance_grid.h).
   const double ratio = std::sqrt(std::get<2>(guided) / std::get<1>(guided).variance());
   EXPECT_GT(ratio, 0.6);
-  EXPECT_LT(ratio, 2.6);
+  EXPECT_LT(ratio, 3.5);
 }
 
 // Pieces that are sent at a box from all around it, close and far, by the density that they state.
