@@ -86,7 +86,13 @@ void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLed
     waiting.push_back({Ray{.origin = photon.origin, .direction = photon.direction}, photon.power, emitted, 0, 1});
 
     while (!waiting.empty()) {
-      auto [ray, power, carried, bounce, pieces] = waiting.back();
+      // By name: Clang 14 does not capture structured bindings.
+      Piece piece = waiting.back();
+      Ray& ray = piece.ray;
+      Rgb& power = piece.power;
+      std::int64_t& carried = piece.carried;
+      const int bounce = piece.bounce;
+      int& pieces = piece.pieces;
       waiting.pop_back();
       if (lit_.intersector.has_coverage()) ray.coverage_seed = random.next_u32();
       const float jitter = random.next();

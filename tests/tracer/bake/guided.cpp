@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -274,6 +275,7 @@ TEST(Guided, DarkRoomsGetMorePhotons) {
   const auto far_end = [&](EmissionMode mode, std::uint64_t first) {
     Accumulator out;
     Accumulator at_one;
+    Accumulator stated;
     params.emission = mode;
     for (int seed = 0; seed < seeds; ++seed) {
       params.seed = first + std::uint64_t(seed);
@@ -287,20 +289,27 @@ TEST(Guided, DarkRoomsGetMorePhotons) {
         const double e = double(irradiance(grid, at, V3f(0, 1, 0), Reconstruction::optimal).y) +
                          double(irradiance(grid, at, V3f(0, -1, 0), Reconstruction::optimal).y);
         mean += e / 36;
-        if (v == 4 * 3 * 10 + 5) at_one.add(e);
+        if (v != 4 * 3 * 10 + 5) continue;
+        at_one.add(double(irradiance(grid, at, V3f(0, 1, 0), Reconstruction::optimal).y));
+        stated.add(std::pow(double(irradiance_standard_error(grid, at).y), 2));
       }
       out.add(mean);
     }
-    return std::pair(out, at_one);
+    return std::tuple(out, at_one, stated.mean());
   };
   const auto guided = far_end(EmissionMode::guided, 1);
   const auto even = far_end(EmissionMode::even, 101);
   // |t| of 22 degrees of freedom.
-  EXPECT_LT(std::abs(z_score(guided.first, even.first)), 5)
-      << guided.first.mean() << " +- " << guided.first.standard_error() << " and " << even.first.mean() << " +- "
-      << even.first.standard_error();
+  EXPECT_LT(std::abs(z_score(std::get<0>(guided), std::get<0>(even))), 5)
+      << std::get<0>(guided).mean() << " +- " << std::get<0>(guided).standard_error() << " and "
+      << std::get<0>(even).mean() << " +- " << std::get<0>(even).standard_error();
   // A quarter or less for certain; one in a thousand of ratios of variances from 12 seeds each is 8 times off.
-  EXPECT_LT(guided.second.variance(), 0.7 * even.second.variance());
+  EXPECT_LT(std::get<1>(guided).variance(), 0.7 * std::get<1>(even).variance());
+  // Pieces of one photon are not independent, as the grid's own error takes them to be; it holds all the same, to what
+  // 12 seeds know of a variance (to a factor of 3 at worst), and up to a half and more too large (irradiance_grid.h).
+  const double ratio = std::sqrt(std::get<2>(guided) / std::get<1>(guided).variance());
+  EXPECT_GT(ratio, 0.6);
+  EXPECT_LT(ratio, 3.5);
 }
 
 // Pieces that are sent at a box from all around it, close and far, by the density that they state.

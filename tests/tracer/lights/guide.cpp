@@ -173,7 +173,7 @@ TEST(Guide, ChangesNoMeanOfAnyLight) {
     double shares = 0;
     for (const GuideStratum& s : even.strata()) shares += s.share;
     EXPECT_NEAR(shares, 1, 1e-6) << lamps.name;
-    for (int i = 0; i < 4000; ++i) {
+    for (int i = 0; i < 30'000; ++i) {
       const GuidePoint p = even.guide().sample(learn);
       const double x = p.u[1] - 0.3;
       const double y = p.u[3] + p.u[0] - 0.6;

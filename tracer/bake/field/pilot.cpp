@@ -39,6 +39,8 @@ constexpr double dim = 0.1;
 constexpr double dim_of_window = 0.02;
 constexpr double least_power = 1.0 / 32;  // of what most photons carry
 
+constexpr int enough_steps = 32;  // in a cell, to know its E to a fifth
+
 // A step of a photon's way inside a cell.
 struct Visit {
   std::uint32_t photon;  // of its round
@@ -131,17 +133,24 @@ class Scout {
   std::uint64_t done_ = 0;
 };
 
-// E in each cell and its neighbours, for the strongest channel and a receiver that faces the light: lux.
+// E in each cell, with its neighbours where few photons came to it, for the strongest channel and a receiver that faces the light: lux.
 std::vector<double> mean_e(const GridFrame& frame, const std::vector<Round>& rounds) {
   std::vector<double> sums(frame.vertex_count(), 0);
+  std::vector<int> steps(frame.vertex_count(), 0);
   double photons = 0;
   for (const Round& round : rounds) {
-    for (const Visit& v : round.visits) sums[v.cell] += double(v.power_lm) * double(v.per_m2);
+    for (const Visit& v : round.visits) {
+      sums[v.cell] += double(v.power_lm) * double(v.per_m2);
+      ++steps[v.cell];
+    }
     photons += double(round.end - round.begin);
   }
-  // A cell alone may have its E from a handful of photons.
   std::vector<double> means(sums.size(), 0);
   for (std::size_t v = 0; v < sums.size(); ++v) {
+    if (steps[v] >= enough_steps) {
+      means[v] = sums[v] / photons;
+      continue;
+    }
     const V3i at = frame.vertex_coordinates(v);
     double total = 0;
     int cells = 0;
