@@ -51,6 +51,7 @@ class AssetContracts : public CommandTest {
   std::vector<Json> check(const std::string& bake, const std::string& output, const std::vector<std::string>& targets,
                           const std::function<double(const Json&)>& knob) {
     std::vector<Json> results;
+    std::string first;
     for (const std::string& target : targets) {
       const std::string asked = bake + " --target-error " + target;
       const bool impossible = &target == &targets.back();
@@ -65,7 +66,10 @@ class AssetContracts : public CommandTest {
       const Json warnings = result["warnings"];
       const std::string last = warnings.empty() ? "" : warnings.back().get<std::string>();
       EXPECT_EQ(last.find("misses the asked-for") != std::string::npos, impossible) << warnings;
-      if (!results.empty()) EXPECT_GE(knob(result), knob(results.back())) << target;
+      if (!results.empty()) {
+        EXPECT_GE(knob(result), knob(results.back())) << target;
+      }
+      if (results.empty()) first = bytes_of(path(output));
       results.push_back(result);
       // The file says the same.
       EXPECT_EQ(run("info " + path(output))["certificate"], certificate);
@@ -81,23 +85,22 @@ class AssetContracts : public CommandTest {
       EXPECT_GE(plan[key]["high"], plan[key]["expected"]) << key;
     }
     EXPECT_FALSE(std::filesystem::exists(path("absent")));
-    run(asked + " -f --threads 1 -o " + path("one_" + output));
-    const auto size = double(std::filesystem::file_size(path("one_" + output)));
+    const auto size = double(first.size());
     EXPECT_GE(size, plan["file_bytes"]["low"]);
     EXPECT_LE(size, plan["file_bytes"]["high"]);
     run(asked + " -f --threads 3 -o " + path("three_" + output));
-    EXPECT_TRUE(bytes_of(path("one_" + output)) == bytes_of(path("three_" + output))) << "threads leave a trace";
+    EXPECT_TRUE(first == bytes_of(path("three_" + output))) << "threads leave a trace";
     return results;
   }
 };
 
-// E of a probe at 3000 normals of its own, against that of the map summed over all of its texels: RMS ÷ mean.
+// E of a probe at 800 normals of its own, against that of the map summed over all of its texels: RMS ÷ mean.
 TEST_F(AssetContracts, IrradianceOfASunnySky) {
   const std::string map = sunny();
   const auto size = [](const Json& result) { return result["size"].get<double>(); };
-  const auto baked = check("bake difmap " + map, "e.exr", {"5%", "0.01", "0.0001%"}, size);
+  const auto baked = check("bake difmap " + map + " --size 24", "e.exr", {"8%", "0.02", "0.0001%"}, size);
   EXPECT_LT(baked[0]["size"], baked[1]["size"]);
-  EXPECT_LT(baked[1]["size"], 64);  // today's default does better than 1 %, and is not needed
+  EXPECT_LT(baked[1]["size"], 24);
   const auto order = [](const Json& result) { return result["order"].get<double>(); };
   const auto sh9 = check("bake sh9 " + map, "e.json", {"90%", "25%", "1%"}, order);
   EXPECT_LT(sh9[0]["order"], 2);
@@ -108,7 +111,7 @@ TEST_F(AssetContracts, IrradianceOfASunnySky) {
   {
     std::ofstream points(path("p.csv"));
     points << "x,y,z,nx,ny,nz\n";
-    for (int i = 0; i < 3000; ++i) {
+    for (int i = 0; i < 800; ++i) {
       const V3d n = V3d(normal(random), normal(random), normal(random)).normalized();
       points << "0,0,0," << n.x << "," << n.y << "," << n.z << "\n";
     }
@@ -129,7 +132,7 @@ TEST_F(AssetContracts, IrradianceOfASunnySky) {
     return e;
   };
   const std::vector<double> truth = probed(map);
-  run("bake difmap " + map + " --target-error 1% -f -o " + path("e.exr"));
+  run("bake difmap " + map + " --target-error 3% -f -o " + path("e.exr"));
   for (const std::string& asset : {path("e.exr"), path("e.json")}) {
     const std::vector<double> e = probed(asset);
     ASSERT_EQ(e.size(), truth.size());
@@ -141,9 +144,9 @@ TEST_F(AssetContracts, IrradianceOfASunnySky) {
     }
     const double error = std::sqrt(squares / double(e.size())) / (sum / double(e.size()));
     const Json certificate = run("info " + asset)["certificate"];
-    // The interval, a little wider: 3000 normals have some 3 % of their own.
-    EXPECT_GT(error, 0.95 * certificate["low"].get<double>()) << asset;
-    EXPECT_LT(error, 1.05 * certificate["high"].get<double>()) << asset;
+    // The interval, a little wider: 800 normals have some 5 % of their own.
+    EXPECT_GT(error, 0.9 * certificate["low"].get<double>()) << asset;
+    EXPECT_LT(error, 1.1 * certificate["high"].get<double>()) << asset;
   }
 }
 
@@ -158,22 +161,23 @@ TEST_F(AssetContracts, LobeTables) {
 
 TEST_F(AssetContracts, SphereSets) {
   const auto count = [](const Json& result) { return result["count"].get<double>(); };
-  const std::string bake = "bake spheres " + wedge() + " --resolution 24 --count 32";
-  const auto baked = check(bake, "s.json", {"40%", "12%", "0.1%"}, count);
+  const std::string bake = "bake spheres " + wedge() + " --resolution 20 --count 24";
+  const auto baked = check(bake, "s.json", {"40%", "20%", "0.1%"}, count);
   EXPECT_LT(baked[0]["count"], baked[1]["count"]);
 }
 
 TEST_F(AssetContracts, OccluderTables) {
   const auto bytes = [](const Json& result) { return result["table_bytes"].get<double>(); };
   const std::string bake =
-      "bake fiv " + wedge() + " --env " + sunny() + " --samples 48,25,17 --silhouette 64 --parts 512";
-  const auto baked = check(bake, "t.exr", {"20%", "0.1%"}, bytes);
+      "bake fiv " + wedge() + " --env " + sunny() + " --samples 16,9,6 --silhouette 64 --parts 512";
+  const auto baked = check(bake, "t.exr", {"20%", "1.4%"}, bytes);
   EXPECT_LT(baked[0]["table_bytes"], baked[1]["table_bytes"]);
 }
 
 TEST_F(AssetContracts, CubeMaps) {
   const auto size = [](const Json& result) { return result["size"].get<double>(); };
-  const std::string bake = "bake cubemap " + scene("leak_axis.gltf") + " --at 0.3,1,0.3 --capture 16 --samples 4";
+  const std::string bake =
+      "bake cubemap " + scene("room_boxes_rotated.gltf") + " --at 0.2,1,0.8 --capture 16 --samples 4 --size 4";
   const auto baked = check(bake, "c.exr", {"60%", "5%"}, size);
   EXPECT_LE(baked[0]["size"], baked[1]["size"]);
 }

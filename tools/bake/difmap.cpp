@@ -30,7 +30,7 @@ struct BakeDifmapOptions {
 constexpr int largest_size = 1024;
 // Normals that sizes are chosen at, and others that the result is judged at.
 constexpr int pilot_normals = 800;
-constexpr int certificate_normals = 1000;
+constexpr int certificate_normals = 500;
 constexpr std::uint64_t pilot_seed = 1;
 constexpr std::uint64_t certificate_seed = 2;
 constexpr int refinements = 3;  // sizes within a twelfth of each other

@@ -35,8 +35,8 @@ TEST(MeasuredError, IntervalCoversTheTruthAsOftenAsItSays) {
     EXPECT_GE(e.high, e.error);
     covered += e.low <= exact && exact <= e.high ? 1 : 0;
   }
-  // Of 95 % there are 929 to 971 covered but once in 300 times. A spread as wide as this costs some three per cent more,
-  // where the plain interval loses seven.
+  // Of 95 % there are 929 to 971 covered but once in 300 times. A spread as wide as this costs some three per cent
+  // more, where the plain interval loses seven.
   EXPECT_GE(covered, 905);
   EXPECT_LE(covered, 975);
 }
