@@ -141,7 +141,7 @@ TEST(BakeGrid, LevelsStandSideBySide) {
   EXPECT_EQ(info["level_spacings_m"], "0.6 0.3 0.15");
   EXPECT_FALSE(uniform.contains("levels"));
   EXPECT_FALSE(Json::parse(ivory(folder, "info a.vdb --json").out).contains("levels"));
-  for (const std::string guard : {"", " --guard off", " --scene " + scene}) {
+  for (const std::string& guard : {std::string(), std::string(" --guard off"), " --scene " + scene}) {
     const std::string points = " --points " + std::string(source_folder) + "/scenes/leak_axis_lit_points.csv -o ";
     ASSERT_EQ(ivory(folder, "probe b.vdb" + points + "e.csv -f -q" + guard).exit_code, 0) << guard;
   }
