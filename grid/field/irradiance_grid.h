@@ -52,10 +52,13 @@ struct IrradianceGrid : GridVertices {
 enum class Interpolation {
   trilinear,
   tricubic,  // B-spline: smoother, and blurs
+  fitted,    // linear_fit.h: a linear field through the vertices around two points before the surface, at the surface
 };
 template <>
-inline constexpr auto name_table<Interpolation> = make_name_table<Interpolation>(
-    "interpolation", {{Interpolation::trilinear, "trilinear"}, {Interpolation::tricubic, "tricubic"}});
+inline constexpr auto name_table<Interpolation> =
+    make_name_table<Interpolation>("interpolation", {{Interpolation::trilinear, "trilinear"},
+                                                     {Interpolation::tricubic, "tricubic"},
+                                                     {Interpolation::fitted, "fitted"}});
 
 // What keeps light from leaking through walls when a grid is read.
 enum class Guard {
@@ -67,10 +70,12 @@ template <>
 inline constexpr auto name_table<Guard> =
     make_name_table<Guard>("guard", {{Guard::rays, "rays"}, {Guard::planes, "planes"}, {Guard::off, "off"}});
 
-// The vertices that a look-up reads and their interpolation weights, which add up to one.
-inline constexpr std::size_t max_footprint = 72;
+// The vertices that a look-up reads and their weights, which add up to one. Those of fit_linear() may be negative, and
+// its vertices may come twice.
+inline constexpr std::size_t max_footprint = 80;
 struct Footprint {
-  int count = 0;  // 8 trilinear, 64 tricubic, 72 a blend of both; 0: no vertex sees the point, and E is 0
+  int count =
+      0;  // 8 trilinear, 64 tricubic, 72 a blend of both, 8 more if fitted; 0: no vertex sees the point, and E is 0
   std::array<std::uint32_t, max_footprint> vertex;
   std::array<float, max_footprint> weight;
 };
@@ -90,7 +95,7 @@ struct LookupParams {
 void set_anchor(GridVertices& grid, const V3d& anchor_m);
 
 // Footprint of p (as the frame counts it: world, m, less the anchor). Beyond the outermost vertices the nearest ones
-// are repeated.
+// are repeated. The interpolation is not `fitted`, which is made of trilinear footprints.
 Footprint make_footprint(const GridFrame& frame, const V3f& p, Interpolation interpolation);
 
 // How much a vertex that sees that fraction of its cell counts, 0 to 1: one that sees less than a quarter knows less of

@@ -4,6 +4,7 @@
 
 #include "grid/field/guard.h"
 #include "grid/field/irradiance_grid.h"
+#include "grid/field/linear_fit.h"
 
 namespace ivory {
 
@@ -30,6 +31,23 @@ Footprint guarded_footprint(const IrradianceGrid& grid, const V3f& nudged, Inter
       return blend(footprint, wide, kept / enough_weight);
   }
   return kept > 0 ? footprint : Footprint();
+}
+
+// The footprint of Interpolation::fitted at p: the vertices read at `nudged` as above and those of a second, trilinear
+// footprint one voxel farther off. far(near) answers that one, restricted, and how much it counts, 0 to 1. It has 0.3
+// of the weight before the fit.
+inline constexpr float far_weight = 0.3F;
+struct FarReading {
+  Footprint footprint;
+  float share = 0;
+};
+template <typename Visible, typename Far>
+Footprint fitted_footprint(const IrradianceGrid& grid, const V3f& p, const V3f& nudged, const Visible& visible,
+                           const Far& far) {
+  const Footprint near = guarded_footprint(grid, nudged, Interpolation::trilinear, visible);
+  if (near.count == 0) return near;
+  const FarReading reading = far(near);
+  return fit_linear(grid, p, blend(near, reading.footprint, 1 - far_weight * reading.share));
 }
 
 // The footprint that a look-up at surface point p (world, m; unit geometric normal ng on the lit side) reads, by the
