@@ -18,9 +18,12 @@ Footprint lookup_footprint(const IrradianceGrid& grid, const V3f& p, const V3f& 
       return visible_by_guard(grid, at, footprint, near);
     });
   }
-  Footprint footprint = make_footprint(grid, at, params.interpolation);
-  restrict_footprint(grid, VisibleEntries().set(), footprint);
-  return footprint;
+  return footprint_of_levels(grid, at, [&](int level) {
+    Footprint footprint = make_footprint(grid, level, at, params.interpolation);
+    const float kept = restrict_footprint(grid, VisibleEntries().set(), footprint);
+    if (kept == 0 && grid.levels() > 1) footprint.count = 0;  // the other level may know better
+    return footprint;
+  });
 }
 
 Rgb lookup_irradiance(const IrradianceGrid& grid, const V3f& p, const V3f& ng, const V3f& n,
