@@ -63,40 +63,23 @@ float hidden_by(const GuardRecord& record, const V3f& u) {
   return most;
 }
 
-namespace {
-
-// The point as one level reads it.
-struct LevelPoint {
-  int level = -1;
-  V3f index{0, 0, 0};
-  V3f facing{0, 0, 0};  // times voxels: metres along ng
-  float behind_m = 0;
-
-  LevelPoint() = default;
-  LevelPoint(int of_level, const GridFrame& frame, const LookupPoint& at)
-      : level(of_level),
-        index(frame.to_index(at.nudged(frame))),
-        facing(frame.direction_to_local(at.ng) * frame.spacing_m),
-        behind_m(at.off_m(frame) +
-                 in_plane_voxels * std::min({frame.spacing_m.x, frame.spacing_m.y, frame.spacing_m.z})) {}
-};
-
-}  // namespace
-
 VisibleEntries visible_by_guard(const IrradianceGrid& grid, const LookupPoint& at, const Footprint& footprint,
                                 const Footprint* near) {
   VisibleEntries visible;
   VisibleEntries in_front;
   if (grid.guard.empty()) return visible.set();
-  LevelPoint point;
+  if (footprint.count == 0) return visible;
+  const GridFrame& frame = grid.frame_of(grid.level_of(footprint.vertex[0]));
+  const V3f index = frame.to_index(at.nudged(frame));
+  const V3f& spacing = frame.spacing_m;
+  const V3f facing = frame.direction_to_local(at.ng) * spacing;  // times voxels: metres along ng
+  const float behind_m = at.off_m(frame) + in_plane_voxels * std::min({spacing.x, spacing.y, spacing.z});
   const bool at_surface = at.ng != V3f(0, 0, 0);
   for (std::size_t i = 0; i < std::size_t(footprint.count); ++i) {
     const std::uint32_t vertex = footprint.vertex[i];
     if (footprint.weight[i] == 0 || grid.visible_fraction[vertex] <= 0) continue;
-    const VertexPlace place = grid.place_of(vertex);
-    if (place.level != point.level) point = LevelPoint(place.level, grid.frame_of(place.level), at);
-    const V3f u = point.index - V3f(place.at);
-    const bool behind = point.facing.dot(u) > point.behind_m;
+    const V3f u = index - V3f(grid.place_of(vertex).at);
+    const bool behind = facing.dot(u) > behind_m;
     if (footprint.wide && behind) continue;
     in_front[i] = at_surface && !behind;
     visible[i] = hidden_by(grid.guard[vertex], u) <= 0;

@@ -28,11 +28,11 @@ float hidden_by(const GuardRecord& record, const V3f& u);
 // A vertex this little behind a surface stands in its plane: rounding has no say about it.
 inline constexpr float in_plane_voxels = 0.01F;
 
-// The entries whose vertices see the point by their planes, each from where its level reads it; all of them for a grid
-// without guard. Planes are fitted within a voxel of their vertex, and those of the wider, tricubic footprint may not
-// know of a wall between: its vertices behind the surface do not count. What the planes let through wrongly gives way:
-// yield.h. `near` is the narrower footprint that a wide one is to help out, restricted to what sees the point; null:
-// there is none, or nothing of it does.
+// The entries whose vertices, of one level, see the point by their planes from where that level reads it; all of them
+// for a grid without guard. Planes are fitted within a voxel of their vertex, and those of the wider, tricubic
+// footprint may not know of a wall between: its vertices behind the surface do not count. What the planes let through
+// wrongly gives way: yield.h. `near` is the narrower footprint that a wide one is to help out, restricted to what sees
+// the point; null: there is none, or nothing of it does.
 VisibleEntries visible_by_guard(const IrradianceGrid& grid, const LookupPoint& at, const Footprint& footprint,
                                 const Footprint* near = nullptr);
 

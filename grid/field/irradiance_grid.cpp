@@ -68,66 +68,102 @@ Footprint make_footprint(const GridFrame& frame, const V3f& p, Interpolation int
 
 namespace {
 
-using AxisFootprints = std::array<AxisFootprint, 3>;
-
-// A level's part of a footprint: appends `share` of each weight whose vertex is stored, and returns what is left over.
-template <std::size_t width, typename VertexAt>
-float append_level(const AxisFootprints& axes, float share, const VertexAt& vertex_at, Footprint& footprint) {
-  float left = 0;
+template <std::size_t width>
+Footprint make_brick_footprint(const BrickLevel& level, const V3f& p, Interpolation interpolation) {
+  const V3f index = level.frame.to_index(p);
+  const V3i& size = level.frame.size;
+  const std::array<AxisFootprint, 3> axes{axis_footprint(index.x, size.x, interpolation),
+                                          axis_footprint(index.y, size.y, interpolation),
+                                          axis_footprint(index.z, size.z, interpolation)};
+  Footprint footprint;
+  footprint.wide = width == 4;
+  float stored = 0;
   for (std::size_t k = 0; k < width; ++k) {
     for (std::size_t j = 0; j < width; ++j) {
-      const float weight_jk = share * axes[2].weight[k] * axes[1].weight[j];
+      const float weight_jk = axes[2].weight[k] * axes[1].weight[j];
       for (std::size_t i = 0; i < width; ++i) {
-        const float weight = weight_jk * axes[0].weight[i];
-        const std::uint32_t vertex = vertex_at(axes[0].index[i], axes[1].index[j], axes[2].index[k]);
-        if (vertex >= no_brick) {
-          left += weight;
-          continue;
-        }
+        const std::uint32_t vertex = level.vertex_at({axes[0].index[i], axes[1].index[j], axes[2].index[k]});
+        if (vertex >= no_brick) continue;
         const auto entry = std::size_t(footprint.count++);
         footprint.vertex[entry] = vertex;
-        footprint.weight[entry] = weight;
+        footprint.weight[entry] = weight_jk * axes[0].weight[i];
+        stored += footprint.weight[entry];
       }
     }
   }
-  return left;
+  if (footprint.count == int(width * width * width)) return footprint;
+  if (!(stored > 0)) footprint.count = 0;
+  for (std::size_t i = 0; i < std::size_t(footprint.count); ++i) footprint.weight[i] /= stored;
+  return footprint;
 }
 
-template <std::size_t width>
-Footprint make_brick_footprint(const Lattice& lattice, const LookupPoint& at, Interpolation interpolation) {
-  Footprint footprint;
-  footprint.wide = width == 4;
-  float share = 1;
-  for (int level = lattice.levels() - 1; level >= 0 && share > 0; --level) {
-    const GridFrame& frame = lattice.frame_of(level);
-    const V3f index = frame.to_index(at.nudged(frame));
-    const AxisFootprints axes{axis_footprint(index.x, frame.size.x, interpolation),
-                              axis_footprint(index.y, frame.size.y, interpolation),
-                              axis_footprint(index.z, frame.size.z, interpolation)};
-    if (level == 0) {
-      append_level<width>(
-          axes, share, [&](int i, int j, int k) { return std::uint32_t(frame.vertex_index(i, j, k)); }, footprint);
-      break;
-    }
-    const BrickLevel& bricks = lattice.finer[std::size_t(level - 1)];
-    const V3i first(axes[0].index[0], axes[1].index[0], axes[2].index[0]);
-    if (bricks.vertex_at(first) > no_brick + 1) continue;  // no stored brick is near
-    share = append_level<width>(
-        axes, share,
-        [&](int i, int j, int k) {
-          return bricks.vertex_at({i, j, k});
-        },
-        footprint);
+// The trilinear weight of those of the point's vertices that the level stores.
+float stored_weight(const BrickLevel& level, const V3f& p) {
+  const V3f index = level.frame.to_index(p);
+  V3i base;
+  std::array<std::array<float, 2>, 3> weight;
+  bool in_one_brick = true;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const AxisFootprint along = axis_footprint(index[axis], level.frame.size[axis], Interpolation::trilinear);
+    base[axis] = along.index[0];
+    weight[axis] = {along.weight[0], along.weight[1]};
+    in_one_brick = in_one_brick && (base[axis] & 3) != 3;
   }
-  return footprint;
+  const std::uint32_t first = level.vertex_at(base);
+  if (in_one_brick) return first < no_brick ? 1.0F : 0.0F;
+  if (first >= no_brick + 2) return 0;  // nor are the bricks around it
+  float stored = 0;
+  bool is_whole = true;
+  for (int corner = 0; corner < 8; ++corner) {
+    const V3i side(corner & 1, corner >> 1 & 1, corner >> 2);
+    if (level.vertex_at(base + side) < no_brick)
+      stored += weight[2][std::size_t(side.z)] * weight[1][std::size_t(side.y)] * weight[0][std::size_t(side.x)];
+    else
+      is_whole = false;
+  }
+  return is_whole ? 1 : stored;
+}
+
+void append(const Footprint& part, float scale, Footprint& out) {
+  for (std::size_t i = 0; i < std::size_t(part.count); ++i) {
+    if (part.weight[i] == 0) continue;
+    out.vertex[std::size_t(out.count)] = part.vertex[i];
+    out.weight[std::size_t(out.count++)] = part.weight[i] * scale;
+  }
 }
 
 }  // namespace
 
+LevelShares level_shares(const Lattice& lattice, const LookupPoint& at) {
+  LevelShares out;
+  for (int level = int(lattice.finer.size()); level > 0; --level) {
+    const BrickLevel& bricks = lattice.finer[std::size_t(level - 1)];
+    const float stored = stored_weight(bricks, at.nudged(bricks.frame));
+    if (stored <= 0) continue;
+    if (out.share[1] > 0) {  // what the finer level leaves over
+      out.level[1] = level;
+      return out;
+    }
+    out.level[0] = level;
+    out.share = {stored, 1 - stored};
+    if (stored >= 1) return out;
+  }
+  return out;
+}
+
+Footprint make_footprint(const Lattice& lattice, int level, const LookupPoint& at, Interpolation interpolation) {
+  const V3f p = at.nudged(lattice.frame_of(level));
+  if (level == 0) return make_footprint(lattice.frame, p, interpolation);
+  const BrickLevel& bricks = lattice.finer[std::size_t(level - 1)];
+  return interpolation == Interpolation::trilinear ? make_brick_footprint<2>(bricks, p, interpolation)
+                                                   : make_brick_footprint<4>(bricks, p, interpolation);
+}
+
 Footprint make_footprint(const Lattice& lattice, const LookupPoint& at, Interpolation interpolation) {
-  if (lattice.finer.empty()) return make_footprint(lattice.frame, at.nudged(lattice.frame), interpolation);
-  return interpolation == Interpolation::trilinear ? make_brick_footprint<2>(lattice, at, interpolation)
-                                                   : make_brick_footprint<4>(lattice, at, interpolation);
+  const LevelShares shares = level_shares(lattice, at);
+  if (shares.share[1] <= 0) return make_footprint(lattice, shares.level[0], at, interpolation);
+  return blend(make_footprint(lattice, shares.level[0], at, interpolation),
+               make_footprint(lattice, shares.level[1], at, interpolation), shares.share[0]);
 }
 
 float vertex_trust(float visible_fraction) {
@@ -150,15 +186,8 @@ float restrict_footprint(const IrradianceGrid& grid, const VisibleEntries& visib
 
 Footprint blend(const Footprint& a, const Footprint& b, float share) {
   Footprint out;
-  const auto append = [&](const Footprint& part, float scale) {
-    for (std::size_t i = 0; i < std::size_t(part.count); ++i) {
-      if (part.weight[i] == 0) continue;
-      out.vertex[std::size_t(out.count)] = part.vertex[i];
-      out.weight[std::size_t(out.count++)] = part.weight[i] * scale;
-    }
-  };
-  append(a, share);
-  append(b, 1 - share);
+  append(a, share, out);
+  append(b, 1 - share, out);
   return out;
 }
 

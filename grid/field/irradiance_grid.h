@@ -73,9 +73,9 @@ inline constexpr auto name_table<Guard> =
     make_name_table<Guard>("guard", {{Guard::rays, "rays"}, {Guard::planes, "planes"}, {Guard::off, "off"}});
 
 // The vertices that a look-up reads and their weights, which add up to one. Those of fit_linear() may be negative, and
-// its vertices may come twice. Those of a level lie together, but for fit_linear()'s. In a uniform grid 8 trilinear, 64
-// tricubic, 72 a blend of both, 8 more if fitted; where levels meet at most 16, 192, 208, 16 more.
-inline constexpr std::size_t max_footprint = 224;
+// its vertices may come twice. In a level 8 trilinear, 64 tricubic, 72 a blend of both, 8 more if fitted; two levels
+// may meet.
+inline constexpr std::size_t max_footprint = 160;
 struct Footprint {
   int count = 0;      // 0: no vertex sees the point, and E is 0
   bool wide = false;  // holds vertices farther than a voxel from the point: tricubic
@@ -116,10 +116,21 @@ void set_anchor(GridVertices& grid, const V3d& anchor_m);
 // are repeated. The interpolation is not `fitted`, which is made of trilinear footprints.
 Footprint make_footprint(const GridFrame& frame, const V3f& p, Interpolation interpolation);
 
-// The same in a lattice, from the finest level down: weights of vertices that are not stored pass on to the next
-// coarser level's footprint of the same point. So the fine level's share fades towards the border of its bricks as the
-// weights of the vertices beyond grow, and what is read has no jump. Two levels meet at most (tricubic: three), as
-// lattice.h says.
+// How much a look-up reads of each level. The finest level's share is the trilinear weight of those of the point's
+// eight vertices that it stores, and the next level has what is left over: so a level fades towards the border of its
+// bricks as the weights of the vertices beyond grow, and what is read has no jump. Coarser levels are complete around a
+// brick (lattice.h): two meet at most.
+struct LevelShares {
+  std::array<int, 2> level{0, 0};
+  std::array<float, 2> share{1, 0};  // 1 in all
+};
+LevelShares level_shares(const Lattice& lattice, const LookupPoint& at);
+
+// The point's footprint in one level. Vertices that are not stored are left out, and the weights of the others add up
+// to one; no entry where none is.
+Footprint make_footprint(const Lattice& lattice, int level, const LookupPoint& at, Interpolation interpolation);
+
+// All levels' footprints by their shares.
 Footprint make_footprint(const Lattice& lattice, const LookupPoint& at, Interpolation interpolation);
 
 // How much a vertex that sees that fraction of its cell counts, 0 to 1: one that sees less than a quarter knows less of

@@ -5,8 +5,8 @@
 // into eight. Vertices stand in the middle of their cells, so those of different levels do not coincide. A level finer
 // than the coarsest has its vertices in bricks of 4 x 4 x 4; a brick's cells fill 2 x 2 x 2 cells of the coarser level.
 // Around a stored brick the coarser levels are complete: the parents of the brick and of the bricks around it (3 x 3 x
-// 3 of them) are stored too. So wherever a look-up finds a part of its footprint stored, the next coarser level has the
-// whole trilinear footprint of the point, and the one after it the whole tricubic one: see make_footprint().
+// 3 of them) are stored too. So wherever a look-up finds a part of its trilinear footprint stored, the next coarser
+// level has the whole one of the same point: see level_shares().
 //
 // A uniform grid is the coarsest level alone.
 #pragma once

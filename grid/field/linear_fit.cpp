@@ -53,18 +53,6 @@ Rgb intensity(Basis basis, const float* m) {
   return {0, 0, 0};
 }
 
-// Where levels meet, voxels are between theirs in size.
-V3f mean_spacing(const IrradianceGrid& grid, const Footprint& seen) {
-  if (grid.levels() == 1) return grid.frame.spacing_m;
-  V3f mean(0, 0, 0);
-  float sum = 0;
-  for (std::size_t i = 0; i < std::size_t(seen.count); ++i) {
-    mean += grid.frame_of(grid.level_of(seen.vertex[i])).spacing_m * seen.weight[i];
-    sum += seen.weight[i];
-  }
-  return mean / sum;
-}
-
 }  // namespace
 
 // A plane n.u <= d cuts the cell, which reaches h = (|n_x| + |n_y| + |n_z|) / 2 along n: its middle moves by (d - h)
@@ -89,20 +77,17 @@ float relative_variance(const IrradianceGrid& grid, std::size_t vertex) {
   return square > 0 ? std::min(1.0F, (variance.x + variance.y + variance.z) / square) : 0;
 }
 
-Footprint fit_linear(const IrradianceGrid& grid, const V3f& p, const Footprint& seen) {
+Footprint fit_linear(const IrradianceGrid& grid, int level, const V3f& p, const Footprint& seen) {
   const auto count = std::size_t(seen.count);
-  const V3f unit_m = mean_spacing(grid, seen);
+  const V3f index = grid.frame_of(level).to_index(p);
   std::array<V3f, max_footprint> d;
   V3f mean(0, 0, 0);
   float ridge = least_ridge;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t vertex = seen.vertex[i];
-    const VertexPlace place = grid.place_of(vertex);
-    const GridFrame& frame = grid.frame_of(place.level);
-    d[i] = V3f(place.at) - frame.to_index(p);
+    d[i] = V3f(grid.place_of(vertex).at) - index;
     if (seen.weight[i] == 0) continue;
     if (!grid.guard.empty()) d[i] += measured_at(grid.guard[vertex]);
-    d[i] = d[i] * frame.spacing_m / unit_m;
     mean += d[i] * seen.weight[i];
     ridge += ridge_of_noise * seen.weight[i] * relative_variance(grid, vertex);
   }

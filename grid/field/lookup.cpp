@@ -13,19 +13,20 @@ float nudge_m(const GridFrame& frame, const LookupParams& params) {
 namespace {
 
 // One voxel farther off, by the planes: as far as the vertices near the surface see that point.
-FarReading read_farther(const IrradianceGrid& grid, const LookupPoint& at, Guard guard, const Footprint& near) {
+FarReading read_farther(const IrradianceGrid& grid, int level, const LookupPoint& at, Guard guard,
+                        const Footprint& near) {
   LookupPoint farther = at;
   farther.nudge_voxels += 1;
-  FarReading out{make_footprint(grid, farther, Interpolation::trilinear), 1};
+  FarReading out{make_footprint(grid, level, farther, Interpolation::trilinear), 1};
   VisibleEntries visible;
   if (guard == Guard::planes && !grid.guard.empty()) {
     visible = visible_by_guard(grid, farther, out.footprint);
+    const GridFrame& frame = grid.frame_of(level);
+    const V3f index = frame.to_index(farther.nudged(frame));
     out.share = 0;
     for (std::size_t i = 0; i < std::size_t(near.count); ++i) {
       if (!(near.weight[i] > 0)) continue;
-      const VertexPlace place = grid.place_of(near.vertex[i]);
-      const GridFrame& frame = grid.frame_of(place.level);
-      const V3f offset = frame.to_index(farther.nudged(frame)) - V3f(place.at);
+      const V3f offset = index - V3f(grid.place_of(near.vertex[i]).at);
       if (hidden_by(grid.guard[near.vertex[i]], offset) <= 0) out.share += near.weight[i];
     }
   } else {
@@ -45,21 +46,27 @@ Footprint lookup_footprint(const IrradianceGrid& grid, const V3f& p, const V3f& 
     return params.guard == Guard::off ? VisibleEntries().set() : visible_by_guard(grid, at, footprint, near);
   };
   if (params.interpolation == Interpolation::fitted) {
-    return fitted_footprint(grid, at, visible,
-                            [&](const Footprint& near) { return read_farther(grid, at, params.guard, near); });
+    return fitted_footprint(grid, at, visible, [&](int level, const Footprint& near) {
+      return read_farther(grid, level, at, params.guard, near);
+    });
   }
   if (params.guard == Guard::planes) {
     if (params.interpolation == Interpolation::trilinear)
       return guarded_footprint(grid, at, Interpolation::trilinear, visible);
-    Footprint witnesses = make_footprint(grid, at, Interpolation::trilinear);
-    const bool any = restrict_footprint(grid, visible(witnesses, nullptr), witnesses) > 0;
-    return guarded_footprint(grid, at, params.interpolation, [&](const Footprint& footprint, const Footprint*) {
-      return visible(footprint, any ? &witnesses : nullptr);
+    return footprint_of_levels(grid, at, [&](int level) {
+      Footprint witnesses = make_footprint(grid, level, at, Interpolation::trilinear);
+      const bool any = restrict_footprint(grid, visible(witnesses, nullptr), witnesses) > 0;
+      return guarded_level_footprint(
+          grid, level, at, params.interpolation,
+          [&](const Footprint& footprint, const Footprint*) { return visible(footprint, any ? &witnesses : nullptr); });
     });
   }
-  Footprint footprint = make_footprint(grid, at, params.interpolation);
-  restrict_footprint(grid, VisibleEntries().set(), footprint);
-  return footprint;
+  return footprint_of_levels(grid, at, [&](int level) {
+    Footprint footprint = make_footprint(grid, level, at, params.interpolation);
+    const float kept = restrict_footprint(grid, VisibleEntries().set(), footprint);
+    if (kept == 0 && grid.levels() > 1) footprint.count = 0;  // the other level may know better
+    return footprint;
+  });
 }
 
 Rgb lookup_irradiance(const IrradianceGrid& grid, const V3f& p, const V3f& ng, const V3f& n,

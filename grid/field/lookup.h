@@ -11,22 +11,22 @@ namespace ivory {
 // How far a look-up in that level moves off the surface, in metres: by the smallest spacing.
 float nudge_m(const GridFrame& frame, const LookupParams& params);
 
-// The footprint read at a point. visible(footprint, near) says as VisibleEntries which entries see it, each from as far
-// off the surface as its level reads it; the others are left out (`near`: as visible_by_guard() has it). Where what is
-// left holds less than `enough_weight`, in narrow places, the vertices of the tricubic footprint that see the point
-// help out. Where none does, no entry is left, which reads as dark: on the outside of a lit house, and in gaps that no
-// vertex sees into. (Such gaps of a cluttered room, 8 to 32 vertices long, had 0.15 to 0.18 of its mean light. The
-// vertex least hidden by its planes answered 0.34 to 0.88.)
+// The footprint read at a point in one level. visible(footprint, near) says as VisibleEntries which entries see it,
+// from as far off the surface as the level reads it; the others are left out (`near`: as visible_by_guard() has it).
+// Where what is left holds less than `enough_weight`, in narrow places, the vertices of the tricubic footprint that see
+// the point help out. Where none does, no entry is left, which reads as dark: on the outside of a lit house, and in
+// gaps that no vertex sees into. (Such gaps of a cluttered room, 8 to 32 vertices long, had 0.15 to 0.18 of its mean
+// light. The vertex least hidden by its planes answered 0.34 to 0.88.)
 inline constexpr float enough_weight = 0.25F;
 template <typename Visible>
-Footprint guarded_footprint(const IrradianceGrid& grid, const LookupPoint& at, Interpolation interpolation,
-                            const Visible& visible) {
-  Footprint footprint = make_footprint(grid, at, interpolation);
+Footprint guarded_level_footprint(const IrradianceGrid& grid, int level, const LookupPoint& at,
+                                  Interpolation interpolation, const Visible& visible) {
+  Footprint footprint = make_footprint(grid, level, at, interpolation);
   const float kept = restrict_footprint(grid, visible(footprint, nullptr), footprint);
   if (kept >= enough_weight) return footprint;
 
   if (interpolation == Interpolation::trilinear) {
-    Footprint wide = make_footprint(grid, at, Interpolation::tricubic);
+    Footprint wide = make_footprint(grid, level, at, Interpolation::tricubic);
     if (restrict_footprint(grid, visible(wide, kept > 0 ? &footprint : nullptr), wide) > 0) {
       footprint = blend(footprint, wide, kept / enough_weight);
       return footprint;
@@ -36,9 +36,29 @@ Footprint guarded_footprint(const IrradianceGrid& grid, const LookupPoint& at, I
   return footprint;
 }
 
-// The footprint of Interpolation::fitted at at.p: the vertices read as above and those of a second, trilinear footprint
-// one voxel farther off. far(near) answers that one, restricted, and how much it counts, 0 to 1. It has 0.3
-// of the weight before the fit.
+// The footprints of all levels, read_level(level), by their shares. Of two that meet one may have no entry: the other
+// answers alone.
+template <typename ReadLevel>
+Footprint footprint_of_levels(const IrradianceGrid& grid, const LookupPoint& at, const ReadLevel& read_level) {
+  const LevelShares shares = level_shares(grid, at);
+  Footprint footprint = read_level(shares.level[0]);
+  if (shares.share[1] <= 0) return footprint;
+  const Footprint coarser = read_level(shares.level[1]);
+  if (coarser.count > 0) footprint = footprint.count > 0 ? blend(footprint, coarser, shares.share[0]) : coarser;
+  return footprint;
+}
+
+template <typename Visible>
+Footprint guarded_footprint(const IrradianceGrid& grid, const LookupPoint& at, Interpolation interpolation,
+                            const Visible& visible) {
+  return footprint_of_levels(
+      grid, at, [&](int level) { return guarded_level_footprint(grid, level, at, interpolation, visible); });
+}
+
+// The footprint of Interpolation::fitted at at.p: of each level the vertices read as above, and those of a second,
+// trilinear footprint one voxel farther off. far(level, near) answers that one, restricted, and how much it counts, 0
+// to
+// 1. It has 0.3 of the weight before the fit.
 inline constexpr float far_weight = 0.3F;
 struct FarReading {
   Footprint footprint;
@@ -46,10 +66,12 @@ struct FarReading {
 };
 template <typename Visible, typename Far>
 Footprint fitted_footprint(const IrradianceGrid& grid, const LookupPoint& at, const Visible& visible, const Far& far) {
-  const Footprint near = guarded_footprint(grid, at, Interpolation::trilinear, visible);
-  if (near.count == 0) return near;
-  const FarReading reading = far(near);
-  return fit_linear(grid, at.p, blend(near, reading.footprint, 1 - far_weight * reading.share));
+  return footprint_of_levels(grid, at, [&](int level) {
+    const Footprint near = guarded_level_footprint(grid, level, at, Interpolation::trilinear, visible);
+    if (near.count == 0) return near;
+    const FarReading reading = far(level, near);
+    return fit_linear(grid, level, at.p, blend(near, reading.footprint, 1 - far_weight * reading.share));
+  });
 }
 
 // The footprint that a look-up at surface point p (world, m; unit geometric normal ng on the lit side) reads, by the

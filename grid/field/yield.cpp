@@ -1,7 +1,6 @@
 #include "grid/field/yield.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 #include "grid/field/guard.h"
@@ -54,18 +53,10 @@ std::optional<std::uint32_t> heaviest(const IrradianceGrid& grid, const Footprin
 VisibleEntries yield_to_witness(const IrradianceGrid& grid, const Footprint& footprint, VisibleEntries visible,
                                 const VisibleEntries& doubtful, std::uint32_t witness) {
   const GuardRecord& record = grid.guard[witness];
-  const VertexPlace from = grid.place_of(witness);
+  const VertexPlace from = grid.place_of(witness);  // in the level that all of them are of
   for (std::size_t i = 0; i < std::size_t(footprint.count); ++i) {
     if (!visible[i] || !doubtful[i]) continue;
-    const VertexPlace place = grid.place_of(footprint.vertex[i]);
-    V3f offset(place.at - from.at);
-    if (place.level != from.level) {
-      const V3f p = grid.frame_of(place.level).to_world(V3f(place.at));
-      offset = grid.frame_of(from.level).to_index(p) - V3f(from.at);
-      // The planes know a voxel around their vertex, and a coarser level's vertices stand beyond.
-      if (std::max({std::abs(offset.x), std::abs(offset.y), std::abs(offset.z)}) > 1) continue;
-    }
-    visible[i] = hidden_by(record, offset) <= 0;
+    visible[i] = hidden_by(record, V3f(grid.place_of(footprint.vertex[i]).at - from.at)) <= 0;
   }
   return visible;
 }

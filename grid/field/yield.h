@@ -16,8 +16,8 @@ bool is_lit(const IrradianceGrid& grid, std::size_t vertex);
 // are those whose vertices stand before the surface that the point lies on, none where it lies on none.
 //   1. Unlit entries give way, where a lit one of least_weight or more is visible in front.
 //   2. The heaviest of those that are left in front, if of more than least_weight, is the witness. Those that are not
-//   in front give way where the
-//      witness does not see their vertices, by its planes.
+//      in front give way where the witness does not see their vertices, by its planes.
+// A footprint's vertices are of one level here and below.
 VisibleEntries yield_near(const IrradianceGrid& grid, const Footprint& footprint, const VisibleEntries& visible,
                           const VisibleEntries& in_front);
 

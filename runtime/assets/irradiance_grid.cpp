@@ -22,11 +22,6 @@ namespace ivory {
 
 namespace {
 
-std::int64_t longest_side(const V3i& vertices, const V3i& tiles) {
-  return std::max(
-      {std::int64_t(vertices.x) * tiles.x, std::int64_t(vertices.y) * tiles.y, std::int64_t(vertices.z) * tiles.z});
-}
-
 struct Choices {
   int basis;
   int form;
@@ -71,8 +66,6 @@ GpuGrid upload(const IrradianceGrid& grid, const GridUploadParams& params, const
   if (params.form == GridForm::norms_and_directions && grid.basis != Basis::vectors)
     throw ParameterError("form",
                          fmt::format("norms and directions hold the basis vectors only, not {}", name_of(grid.basis)));
-  if (grid.levels() > 1)
-    throw Error(what, fmt::format("has {} levels of spacing", grid.levels()), "bake it without --levels for the GPU");
   gl::require_context();
   GpuGrid out;
   out.frame = grid.frame;
@@ -80,12 +73,14 @@ GpuGrid upload(const IrradianceGrid& grid, const GridUploadParams& params, const
   out.basis = grid.basis;
   out.form = params.form;
   out.guarded = !grid.guard.empty();
-  const V3i size = grid.frame.size;
   const int count = function_count(grid.basis);
   GLint limit = 0;
   IVORY_GL(glGetIntegerv, GL_MAX_3D_TEXTURE_SIZE, &limit);
+  out.levels = grid.levels();
+  out.atlas = arrange_vertices(grid, count, limit);
+  const V3i size = out.atlas.size;
   out.tiles = arrange_volumes(size, count, limit);
-  if (out.tiles.x == 0) {
+  if (out.tiles.x == 0 || size.z + out.atlas.table_slices > limit) {
     throw Error(
         what,
         fmt::format("{} x {} x {} vertices of {} functions do not fit into a 3D texture of {} texels a side, the "
@@ -95,9 +90,15 @@ GpuGrid upload(const IrradianceGrid& grid, const GridUploadParams& params, const
   }
 
   // The trust as the texture will hold it, so that dividing by it undoes what multiplying did.
-  const std::size_t vertices = grid.frame.vertex_count();
-  std::vector<float> trust(vertices);
-  for (std::size_t v = 0; v < vertices; ++v) trust[v] = rounded_to_half(vertex_trust(grid.visible_fraction[v]));
+  const std::size_t vertices = grid.vertex_count();
+  std::vector<std::size_t> place(vertices);  // of a vertex' texel
+  for (std::size_t v = 0; v < vertices; ++v) {
+    const V3i at = out.atlas.texel_of(grid, std::uint32_t(v));
+    place[v] = (std::size_t(at.z) * std::size_t(size.y) + std::size_t(at.y)) * std::size_t(size.x) + std::size_t(at.x);
+  }
+  const std::size_t texel_count = std::size_t(size.x) * std::size_t(size.y) * std::size_t(size.z);
+  std::vector<float> trust(texel_count);
+  for (std::size_t v = 0; v < vertices; ++v) trust[place[v]] = rounded_to_half(vertex_trust(grid.visible_fraction[v]));
 
   // No length of a vector in the compact form exceeds sqrt(3) times its largest component.
   float largest = 0;
@@ -113,51 +114,39 @@ GpuGrid upload(const IrradianceGrid& grid, const GridUploadParams& params, const
     const V3i at = volume_place(size, out.tiles, f);
     first[std::size_t(f)] = std::size_t(at.z) * slice + std::size_t(at.y) * row + std::size_t(at.x);
   }
-  std::size_t vertex = 0;
-  for (int k = 0; k < size.z; ++k) {
-    for (int j = 0; j < size.y; ++j) {
-      for (int i = 0; i < size.x; ++i, ++vertex) {
-        const std::size_t texel = std::size_t(k) * slice + std::size_t(j) * row + std::size_t(i);
-        if (trust[vertex] == 0) continue;
-        const float* values = grid.at(vertex);
-        std::array<float, 36> compact;
-        float factor = trust[vertex] / out.scale;
-        if (params.form == GridForm::norms_and_directions) {
-          compact = compact_from_moments(std::span<const float, 36>(values, 36));
-          for (std::size_t d = 18; d < 36; ++d) compact[d] *= out.scale;  // directions stay unit vectors
-          values = compact.data();
-        }
-        for (std::size_t f = 0; f < std::size_t(count); ++f) {
-          for (std::size_t c = 0; c < 3; ++c) texels[3 * (first[f] + texel) + c] = values[3 * f + c] * factor;
-        }
-      }
+  for (std::size_t vertex = 0; vertex < vertices; ++vertex) {
+    const float vertex_trust = trust[place[vertex]];
+    if (vertex_trust == 0) continue;
+    const std::size_t in_row = place[vertex] % std::size_t(size.x);
+    const std::size_t rows = place[vertex] / std::size_t(size.x);
+    const std::size_t texel = rows / std::size_t(size.y) * slice + rows % std::size_t(size.y) * row + in_row;
+    const float* values = grid.at(vertex);
+    std::array<float, 36> compact;
+    const float factor = vertex_trust / out.scale;
+    if (params.form == GridForm::norms_and_directions) {
+      compact = compact_from_moments(std::span<const float, 36>(values, 36));
+      for (std::size_t d = 18; d < 36; ++d) compact[d] *= out.scale;  // directions stay unit vectors
+      values = compact.data();
+    }
+    for (std::size_t f = 0; f < std::size_t(count); ++f) {
+      for (std::size_t c = 0; c < 3; ++c) texels[3 * (first[f] + texel) + c] = values[3 * f + c] * factor;
     }
   }
   out.volumes = gl::make_texture_3d(what, gl::Format::rgb16f, extent, texels.data(), gl::Filter::linear);
   out.trust = gl::make_texture_3d(what, gl::Format::r16f, size, trust.data(), gl::Filter::linear);
   // A sampler needs a complete texture even where nothing reads it.
-  std::vector<GuardRecord> guard(out.guarded ? vertices : 1);
-  for (std::size_t v = 0; v < grid.guard.size(); ++v) guard[v] = ordered(grid.guard[v], is_lit(grid, v));
-  out.guard = gl::make_texture_3d(what, gl::Format::rgba32ui, out.guarded ? size : V3i(1, 1, 1), guard.data(),
-                                  gl::Filter::nearest);
-  return out;
-}
-
-// Along z where that fits, as then each volume is contiguous; else the arrangement with the shortest longest side.
-V3i arrange_volumes(const V3i& vertices, int count, int limit) {
-  V3i best(1, 1, count);
-  if (longest_side(vertices, best) <= limit) return best;
-  for (int x = 1; x <= count; ++x) {
-    for (int y = 1; x * y <= count; ++y) {
-      const V3i tiles(x, y, count / (x * y));
-      if (count % (x * y) == 0 && longest_side(vertices, tiles) < longest_side(vertices, best)) best = tiles;
-    }
+  out.atlas.table_slice = out.guarded ? size.z : 0;
+  V3i words_size = out.guarded || out.levels > 1 ? size : V3i(1, 1, 1);
+  if (out.levels > 1) words_size.z = out.atlas.table_slice + out.atlas.table_slices;
+  std::vector<GuardRecord> words(std::size_t(words_size.x) * std::size_t(words_size.y) * std::size_t(words_size.z));
+  for (std::size_t v = 0; v < grid.guard.size(); ++v) words[place[v]] = ordered(grid.guard[v], is_lit(grid, v));
+  if (out.levels > 1) {
+    const std::vector<std::uint32_t> tables = brick_tables(grid, out.atlas);
+    auto* table = words.data() + std::size_t(out.atlas.table_slice) * std::size_t(size.x) * std::size_t(size.y);
+    for (std::size_t i = 0; i < tables.size(); ++i) table[i / 4].words[i % 4] = tables[i];
   }
-  return longest_side(vertices, best) <= limit ? best : V3i(0, 0, 0);
-}
-
-V3i volume_place(const V3i& vertices, const V3i& tiles, int f) {
-  return V3i(f % tiles.x, f / tiles.x % tiles.y, f / (tiles.x * tiles.y)) * vertices;
+  out.guard = gl::make_texture_3d(what, gl::Format::rgba32ui, words_size, words.data(), gl::Filter::nearest);
+  return out;
 }
 
 GpuGrid load_grid(const std::string& path, const GridUploadParams& params) {
@@ -172,7 +161,7 @@ int bind(const GpuGrid& grid, gl::Program& program, int first_unit, const Lookup
   program.set("ivory_grid.local_to_world", grid.frame.local_to_world);
   program.set("ivory_grid.size", grid.frame.size);
   for (int f = 0; f < function_count(grid.basis); ++f)
-    program.set(fmt::format("ivory_grid.slab[{}]", f), V3f(volume_place(grid.frame.size, grid.tiles, f)));
+    program.set(fmt::format("ivory_grid.slab[{}]", f), V3f(volume_place(grid.atlas.size, grid.tiles, f)));
   program.set("ivory_grid.texel", V3f(1, 1, 1) / V3f(grid.volumes.size));
   program.set("ivory_grid.scale", grid.scale);
   program.set("ivory_grid.nudge_m", nudge_m(grid.frame, params));
@@ -181,6 +170,15 @@ int bind(const GpuGrid& grid, gl::Program& program, int first_unit, const Lookup
   program.set("ivory_grid.guard", choices.guard);
   program.set("ivory_grid.interpolation", choices.interpolation);
   program.set("ivory_grid.reconstruction", choices.reconstruction);
+  program.set("ivory_grid.levels", grid.levels);
+  if (grid.levels > 1) {
+    program.set("ivory_grid.atlas_bits", grid.atlas.bits);
+    program.set("ivory_grid.table_slice", grid.atlas.table_slice);
+    for (std::size_t level = 0; level < grid.atlas.tables.size(); ++level)
+      program.set(fmt::format("ivory_grid.tables[{}]", level), grid.atlas.tables[level]);
+    program.set("ivory_grid.bricks", (grid.frame.size + V3i(3, 3, 3)) / brick_side);
+    program.set("ivory_grid.table", 0);
+  }
   program.set("ivory_grid_volumes", first_unit);
   program.set("ivory_grid_trust", first_unit + 1);
   program.set("ivory_grid_guard", first_unit + 2);
@@ -194,8 +192,8 @@ std::string grid_defines(const GpuGrid& grid, const LookupParams& params) {
   const Choices choices = choose(grid, params);
   return fmt::format(
       "#define IVORY_GRID_BASIS {}\n#define IVORY_GRID_FORM {}\n#define IVORY_GRID_GUARD {}\n"
-      "#define IVORY_GRID_INTERPOLATION {}\n#define IVORY_GRID_RECONSTRUCTION {}\n",
-      choices.basis, choices.form, choices.guard, choices.interpolation, choices.reconstruction);
+      "#define IVORY_GRID_INTERPOLATION {}\n#define IVORY_GRID_RECONSTRUCTION {}\n#define IVORY_GRID_LEVELS {}\n",
+      choices.basis, choices.form, choices.guard, choices.interpolation, choices.reconstruction, grid.levels);
 }
 
 AmbientSource ambient(const GpuGrid& grid, const LookupParams& params) {

@@ -14,7 +14,8 @@
 //                         directions differ by (2e-3 in a grey room, 0.04 in one with coloured walls, 0.16 in a
 //                         garden), and does not filter linearly.
 // Beside them 16 bytes a vertex of guard (RGBA32UI; one texel in all where the grid has none) and 2 of trust (R16F,
-// exact for the bakers' visible fractions, multiples of 1/64). The order of a guard record's words tells whether any
+// exact for the bakers' visible fractions, multiples of 1/64); and in grids of several levels 4 bytes a brick that a
+// level could have, for the tables that find them. The order of a guard record's words tells whether any
 // light came to the vertex: the first is not less than the last where it did.
 #pragma once
 
@@ -23,6 +24,7 @@
 
 #include "grid/field/irradiance_grid.h"
 #include "runtime/assets/ambient.h"
+#include "runtime/assets/grid_atlas.h"
 #include "runtime/gl/gl.h"
 
 namespace ivory {
@@ -37,7 +39,9 @@ struct GpuGrid {
   gl::Texture volumes;
   gl::Texture trust;
   gl::Texture guard;
-  GridFrame frame;
+  GridFrame frame;  // of the coarsest level
+  int levels = 1;
+  GridAtlas atlas;
   V3d anchor_m{0, 0, 0};  // shaders are to be given positions less this: grid/base/anchor.h
   Basis basis = Basis::vectors;
   GridForm form = GridForm::moments;
@@ -48,12 +52,6 @@ struct GpuGrid {
   std::size_t volume_bytes() const { return volumes.bytes(); }
   std::size_t bytes() const { return volumes.bytes() + trust.bytes() + guard.bytes(); }
 };
-
-// How `count` volumes of that many vertices are put side by side in a texture of at most `limit` texels a side: number
-// of tiles along x, y and z, whose product is `count`, so that no memory is wasted; (0, 0, 0) where nothing fits.
-V3i arrange_volumes(const V3i& vertices, int count, int limit);
-// First texel of volume f.
-V3i volume_place(const V3i& vertices, const V3i& tiles, int f);
 
 // Needs a current context. Throws Error naming `what` where the grid is larger than the context takes, and
 // ParameterError for norms_and_directions of a basis other than vectors.

@@ -115,6 +115,17 @@ class Gltf:
         self.node(name, parent, translation=list(position),
                   extensions={"KHR_lights_punctual": {"light": len(lights) - 1}})
 
+    def sun(self, name, direction, illuminance_lux, parent=None):
+        """A directional light that shines along `direction`."""
+        lights = self.root.setdefault("extensions", {}).setdefault("KHR_lights_punctual", {"lights": []})["lights"]
+        lights.append({"name": name, "type": "directional", "color": [1.0, 1.0, 1.0], "intensity": illuminance_lux})
+        self.used.add("KHR_lights_punctual")
+        # Lights shine along -Z: the shortest turn from there is about (0, 0, -1) x direction.
+        x, y, z = _unit(direction)
+        q = _unit([y, -x, 0.0, 1.0 - z])
+        self.node(name, parent, rotation=[round(c, 9) + 0.0 for c in q],
+                  extensions={"KHR_lights_punctual": {"light": len(lights) - 1}})
+
     def camera(self, name, eye, target, yfov_rad, parent=None):
         """Looks from eye to target, +Y up."""
         back = _unit([e - t for e, t in zip(eye, target)])

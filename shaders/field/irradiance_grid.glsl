@@ -6,13 +6,17 @@
 //   sampler3D volumes        RGB16F, linear: one volume a function of the basis, side by side, each vertex's values
 //                            times its trust, divided by g.scale
 //   sampler3D trust          R16F, linear: min(1, visible fraction / 0.25) a vertex, 0 where nothing is stored
-//   usampler3D guard         RGBA32UI, nearest: the vertex's guard record, whose order tells whether it is lit
+//   usampler3D guard         RGBA32UI, nearest: the vertex's guard record, whose order tells whether it is lit; behind
+//                            these the tables of a grid of several levels (field/levels.glsl)
 //   vec3 p, ng, n            world position in metres, unit geometric normal on the lit side (0 for a point that lies
 //                            before no surface), unit shading normal
 // Answers are lux. p may lie anywhere; outside the grid its nearest vertices answer. With guard, what no vertex sees is
 // dark.
 //
-// The choices among g (basis, form, guard, interpolation, reconstruction) may be compiled in instead of read from the
+// Textures have a texel a vertex: (i, j, k) of vertex (i, j, k) in a grid of one level, else that of
+// ivory_grid_texel().
+//
+// The choices among g (basis, form, guard, interpolation, reconstruction, levels) may be compiled in instead of read from the
 // struct, which saves what a driver makes of branches not taken: #define IVORY_GRID_BASIS and so on before this file
 // (runtime/assets/irradiance_grid.h: grid_defines()).
 #include "field/basis.glsl"
@@ -33,6 +37,9 @@
 #ifndef IVORY_GRID_RECONSTRUCTION
 #define IVORY_GRID_RECONSTRUCTION g.reconstruction
 #endif
+#ifndef IVORY_GRID_LEVELS
+#define IVORY_GRID_LEVELS g.levels
+#endif
 const int ivory_grid_moments = 0;  // the values of enum class GridForm
 const int ivory_grid_norms_and_directions = 1;
 const int ivory_trilinear = 0;  // of Interpolation
@@ -40,7 +47,7 @@ const int ivory_tricubic = 1;
 const int ivory_guard_off = 0;  // of Guard
 const int ivory_guard_planes = 1;
 
-struct IvoryGrid {
+struct IvoryGrid {         // of the coarsest level, or as ivory_grid_level() gives it
   vec3 origin_m;         // world position of vertex (0,0,0)
   vec3 spacing_m;        // along the grid's own axes
   mat3 local_to_world;   // rotation: world = local_to_world * local
@@ -54,7 +61,14 @@ struct IvoryGrid {
   int guard;
   int interpolation;
   int reconstruction;
+  int levels;            // of spacing; what follows is for more than one
+  ivec3 atlas_bits;      // log2 of the atlas' size in bricks along x, along y, and of a slice
+  int table_slice;       // of the guard's texture, where the tables begin
+  int tables[12];        // first entry of each level's
+  ivec3 bricks;          // of the level, along each axis
+  int table;             // tables[level]
 };
+#include "field/levels.glsl"
 
 // Weights below are rounding noise once renormalised.
 const float ivory_grid_least_weight = 1e-4;
@@ -75,7 +89,8 @@ vec3 ivory_grid_filtered(IvoryGrid g, sampler3D volumes, int f, vec3 index) {
   return textureLod(volumes, (index + 0.5 + g.slab[f]) * g.texel, 0.0).rgb;
 }
 float ivory_grid_filtered_trust(IvoryGrid g, sampler3D trust, vec3 index) {
-  return textureLod(trust, (index + 0.5) / vec3(g.size), 0.0).r;
+  vec3 size = vec3(IVORY_GRID_LEVELS == 1 ? g.size : textureSize(trust, 0));
+  return textureLod(trust, (index + 0.5) / size, 0.0).r;
 }
 
 // The vertices that one axis contributes, from `first` on, and their weights: two or four.
@@ -126,13 +141,15 @@ void ivory_grid_filter(IvoryGrid g, sampler3D volumes, sampler3D trust, vec3 ind
   int count = ivory_grid_volume_count(g);
   for (int f = 0; f < 12; ++f) m[f] = vec3(0.0);
   if (IVORY_GRID_INTERPOLATION == ivory_trilinear) {
-    vec3 at = clamp(index, vec3(0.0), last);
+    vec3 at = IVORY_GRID_LEVELS == 1 ? clamp(index, vec3(0.0), last) : index;  // a place in the atlas
     kept = ivory_grid_filtered_trust(g, trust, at);
     for (int f = 0; f < 12; ++f) {
       if (f < count) m[f] = ivory_grid_filtered(g, volumes, f, at);
     }
     return;
   }
+  kept = 0.0;
+  if (IVORY_GRID_LEVELS != 1) return;
   IvoryFootprint footprint = ivory_make_footprint(g, index, ivory_tricubic);
   vec3 w1 = vec3(footprint.x.y, footprint.y.y, footprint.z.y);
   vec3 w3 = vec3(footprint.x.w, footprint.y.w, footprint.z.w);
@@ -140,7 +157,6 @@ void ivory_grid_filter(IvoryGrid g, sampler3D volumes, sampler3D trust, vec3 ind
   vec3 high = vec3(footprint.x.z, footprint.y.z, footprint.z.z) + w3;
   vec3 from = clamp(vec3(footprint.first) + w1 / low, vec3(0.0), last);
   vec3 to = clamp(vec3(footprint.first) + 2.0 + w3 / high, vec3(0.0), last);
-  kept = 0.0;
   for (int corner = 0; corner < 8; ++corner) {
     bvec3 side = bvec3((corner & 1) != 0, (corner & 2) != 0, (corner & 4) != 0);
     vec3 at = vec3(side.x ? to.x : from.x, side.y ? to.y : from.y, side.z ? to.z : from.z);
@@ -186,6 +202,9 @@ struct IvoryPassed {
   int lit_witness;
 };
 
+// Grids of one level that are read without guard take another way; of several levels, all vertices are let through.
+bool ivory_grid_has_planes(IvoryGrid g) { return IVORY_GRID_LEVELS == 1 || IVORY_GRID_GUARD == ivory_guard_planes; }
+
 // Planes are fitted within a voxel of their vertex: a wide footprint's vertices do not count behind the surface, which
 // has the unit normal ng and lies g.nudge_m behind the point. A hundredth of a voxel keeps those in its very plane.
 IvoryPassed ivory_passed_by_guard(IvoryGrid g, sampler3D trust, usampler3D guard, vec3 index, vec3 ng,
@@ -199,12 +218,15 @@ IvoryPassed ivory_passed_by_guard(IvoryGrid g, sampler3D trust, usampler3D guard
     ivec3 vertex;
     float weight;
     ivory_footprint_entry(g, footprint, e, vertex, weight);
-    weight *= texelFetch(trust, vertex, 0).r;
+    ivec3 texel = ivory_grid_texel(g, guard, vertex);
+    weight *= ivory_texel_trust(trust, texel);
     vec3 u = index - vec3(vertex);
     bool behind = dot(facing, u) > behind_m;
-    bool in_front = at_surface && !behind;
-    uvec4 record = texelFetch(guard, vertex, 0);
-    bool visible = weight > 0.0 && !(footprint.wide && behind) && ivory_hidden_by(record, u) <= 0.0;
+    bool in_front = at_surface && !behind && ivory_grid_has_planes(g);
+    uvec4 record = uvec4(0u);
+    if (ivory_grid_has_planes(g)) record = texelFetch(guard, max(texel, ivec3(0)), 0);
+    bool visible = weight > 0.0 && ivory_hidden_by(record, u) <= 0.0;
+    visible = visible && !(footprint.wide && behind && ivory_grid_has_planes(g));
     bool lit = visible && ivory_guard_lit(record);
     uvec2 bit = ivory_entry_bit(e);
     passed.entries |= visible ? bit : uvec2(0u);
@@ -229,7 +251,7 @@ uvec2 ivory_hidden_from(IvoryGrid g, usampler3D guard, IvoryFootprint near, int 
   ivec3 from, vertex;
   float weight;
   ivory_footprint_entry(g, near, max(witness, 0), from, weight);
-  mat4 planes = ivory_unpacked_guard(texelFetch(guard, from, 0));
+  mat4 planes = ivory_unpacked_guard(texelFetch(guard, max(ivory_grid_texel(g, guard, from), ivec3(0)), 0));
   uvec2 hidden = uvec2(0u);
   for (int e = 0; e < count; ++e) {
     ivory_footprint_entry(g, footprint, e, vertex, weight);
@@ -241,8 +263,8 @@ uvec2 ivory_hidden_from(IvoryGrid g, usampler3D guard, IvoryFootprint near, int 
 }
 
 // The sums of what is left of `passed` once `hidden` are gone.
-IvoryPassed ivory_without(IvoryGrid g, sampler3D trust, IvoryFootprint footprint, IvoryPassed passed, uvec2 hidden,
-                          int count) {
+IvoryPassed ivory_without(IvoryGrid g, sampler3D trust, usampler3D guard, IvoryFootprint footprint, IvoryPassed passed,
+                          uvec2 hidden, int count) {
   IvoryPassed left = passed;
   left.entries &= ~hidden;
   left.lit &= ~hidden;
@@ -253,7 +275,7 @@ IvoryPassed ivory_without(IvoryGrid g, sampler3D trust, IvoryFootprint footprint
     ivec3 vertex;
     float weight;
     ivory_footprint_entry(g, footprint, e, vertex, weight);
-    weight *= texelFetch(trust, vertex, 0).r;
+    weight *= ivory_texel_trust(trust, ivory_grid_texel(g, guard, vertex));
     uvec2 bit = ivory_entry_bit(e);
     bool lit = (left.lit & bit) != uvec2(0u);
     left.kept += (left.entries & bit) != uvec2(0u) ? weight : 0.0;
@@ -276,7 +298,7 @@ IvorySeen ivory_yield_near(IvoryGrid g, sampler3D trust, usampler3D guard, Ivory
   bool ask = witness >= 0 && doubtful != uvec2(0u);
   uvec2 hidden = doubtful & ivory_hidden_from(g, guard, footprint, witness, footprint, ask ? 8 : 0);
   bool yields = hidden != uvec2(0u);
-  IvoryPassed left = ivory_without(g, trust, footprint, passed, hidden, yields ? 8 : 0);
+  IvoryPassed left = ivory_without(g, trust, guard, footprint, passed, hidden, yields ? 8 : 0);
   left.yield = passed.yield;  // what gives way to the witness is not in front
   if (yields) return ivory_seen(left);
   return seen;
@@ -293,27 +315,54 @@ IvorySeen ivory_yield_wide(IvoryGrid g, sampler3D trust, usampler3D guard, Ivory
     ivec3 vertex;
     float weight;
     ivory_footprint_entry(g, near, k, vertex, weight);
-    weight *= texelFetch(trust, vertex, 0).r;
+    weight *= ivory_texel_trust(trust, ivory_grid_texel(g, guard, vertex));
     bool heard = ivory_sees(near_seen, k) && weight >= ivory_grid_least_weight * near_seen.kept;
     hidden |= ivory_hidden_from(g, guard, near, k, footprint, heard ? count : 0);
   }
   bool alone = !witnessed && passed.witness >= 0;
   hidden |= ivory_hidden_from(g, guard, footprint, passed.witness, footprint, alone ? count : 0);
-  return ivory_seen(ivory_without(g, trust, footprint, passed, hidden, count));
+  return ivory_seen(ivory_without(g, trust, guard, footprint, passed, hidden, count));
 }
 
-// As guarded_footprint(): the values of the vertices that see the point. Most points are seen by all of theirs, whose
+// What the footprint's weights are to be multiplied by, so that those of stored vertices add up to one.
+float ivory_stored_factor(IvoryGrid g, usampler3D guard, IvoryFootprint footprint, int count) {
+  float stored = 0.0;
+  bool whole = true;
+  for (int e = 0; e < count; ++e) {
+    ivec3 vertex;
+    float weight;
+    ivory_footprint_entry(g, footprint, e, vertex, weight);
+    bool is_there = ivory_grid_texel(g, guard, vertex).x >= 0;
+    stored += is_there ? weight : 0.0;
+    whole = whole && is_there;
+  }
+  return whole || stored <= 0.0 ? 1.0 : 1.0 / stored;
+}
+
+// As guarded_level_footprint(): the values of the vertices that see the point. Most points are seen by all of theirs, whose
 // weights are then the filter's. The others take a loop over vertices, one fetch a volume each, which costs no more
 // than fetching pairs of neighbours of arbitrary weights as one linear fetch between them: that filters eight texels
 // for two.
 //
 // `rounds` is 0 where a point needs none: drivers that turn branches into masks skip the rounds of a loop that no pixel
 // of a group needs, but run both sides of a branch.
-void ivory_grid_guarded(IvoryGrid g, sampler3D volumes, sampler3D trust, usampler3D guard, vec3 index, vec3 ng,
-                        out vec3 m[12]) {
+//
+// In one of several levels, `stored` is the trilinear weight of the vertices that it has, by which the others' weights
+// are divided; and the filter serves where the eight stand in one brick, side by side in the atlas, as of 64 points 27
+// do. Answers whether any vertex sees the point.
+bool ivory_grid_guarded(IvoryGrid g, sampler3D volumes, sampler3D trust, usampler3D guard, vec3 index, vec3 ng,
+                        float stored, out vec3 m[12]) {
   int count = ivory_grid_volume_count(g);
   IvoryFootprint near = ivory_make_footprint(g, index, IVORY_GRID_INTERPOLATION);
   int near_count = ivory_footprint_count(near);
+  bool can_filter = true;
+  vec3 filter_index = index;
+  if (IVORY_GRID_LEVELS != 1) {
+    ivec3 texel = ivory_grid_texel(g, guard, clamp(near.first, ivec3(0), g.size - 1));
+    can_filter = !near.wide && texel.x >= 0 && all(notEqual(near.first & 3, ivec3(3)));
+    filter_index = vec3(max(texel, ivec3(0))) + vec3(near.x.y, near.y.y, near.z.y);
+    near.z *= near.wide ? ivory_stored_factor(g, guard, near, 64) : 1.0 / stored;
+  }
   IvoryPassed near_passed = ivory_passed_by_guard(g, trust, guard, index, ng, near, near_count);
   IvorySeen near_seen = IvorySeen(uvec2(0u), 0.0, true);
   if (IVORY_GRID_INTERPOLATION == ivory_trilinear) {
@@ -325,10 +374,10 @@ void ivory_grid_guarded(IvoryGrid g, sampler3D volumes, sampler3D trust, usample
     near_seen = ivory_yield_wide(g, trust, guard, near, 64, near_passed, eight, witnesses);
   }
   bool enough = near_seen.kept >= ivory_grid_enough_weight;
-  bool filtered = near_seen.all && enough;
+  bool filtered = near_seen.all && enough && can_filter;
   // Divided by the trust that the same filter finds: hardware rounds its weights, to the same for both.
   float filtered_kept;
-  ivory_grid_filter(g, volumes, trust, index, m, filtered_kept);
+  ivory_grid_filter(g, volumes, trust, filter_index, m, filtered_kept);
   bool empty = near_seen.kept < ivory_grid_least_weight;
   float near_factor = empty ? 0.0 : 1.0 / near_seen.kept;
   for (int f = 0; f < 12; ++f) m[f] *= filtered ? 1.0 / filtered_kept : 0.0;
@@ -340,10 +389,11 @@ void ivory_grid_guarded(IvoryGrid g, sampler3D volumes, sampler3D trust, usample
   float wide_factor = 0.0;
   if (IVORY_GRID_INTERPOLATION == ivory_trilinear) {
     wide = ivory_make_footprint(g, index, ivory_tricubic);
-    int wide_count = enough ? 0 : 64;
+    int wide_count = enough || !ivory_grid_has_planes(g) ? 0 : 64;
+    if (IVORY_GRID_LEVELS != 1) wide.z *= ivory_stored_factor(g, guard, wide, wide_count);
     IvoryPassed wide_passed = ivory_passed_by_guard(g, trust, guard, index, ng, wide, wide_count);
     wide_seen = ivory_yield_wide(g, trust, guard, wide, wide_count, wide_passed, near, near_seen);
-    if (!enough && wide_seen.kept >= ivory_grid_least_weight) {
+    if (wide_count > 0 && wide_seen.kept >= ivory_grid_least_weight) {
       float share = empty ? 0.0 : near_seen.kept / ivory_grid_enough_weight;
       near_factor *= share;
       wide_factor = (1.0 - share) / wide_seen.kept;
@@ -364,10 +414,56 @@ void ivory_grid_guarded(IvoryGrid g, sampler3D volumes, sampler3D trust, usample
       vertex = wide_vertex;
       weight = ivory_sees(wide_seen, e) ? wide_weight * wide_factor : 0.0;
     }
+    ivec3 texel = ivory_grid_texel(g, guard, vertex);
+    weight = texel.x < 0 ? 0.0 : weight;
     for (int f = 0; f < 12; ++f) {
-      if (f < count) m[f] += weight * texelFetch(volumes, vertex + ivec3(g.slab[f]), 0).rgb;
+      if (f < count) m[f] += weight * texelFetch(volumes, max(texel, ivec3(0)) + ivec3(g.slab[f]), 0).rgb;
     }
   }
+  return !empty || wide_factor > 0.0;
+}
+
+// Where a world position that lies g.nudge_m before a surface, or in space where ng is 0, is looked up among levels.
+IvoryLevelShares ivory_grid_shares(IvoryGrid g, usampler3D guard, vec3 p, vec3 ng, out vec3 corner, out vec3 nudge) {
+  nudge = (ng * g.local_to_world) * (g.nudge_m / g.spacing_m);
+  corner = ivory_grid_to_index(g, p) - nudge + 0.5;
+  return ivory_level_shares(g, guard, corner, nudge);
+}
+
+// The level that counts most there, and the point's index coordinates in it.
+IvoryGrid ivory_grid_level_at(IvoryGrid g, usampler3D guard, vec3 p, vec3 ng, out vec3 index, out float stored) {
+  index = ivory_grid_to_index(g, p);
+  stored = 1.0;
+  if (IVORY_GRID_LEVELS == 1) return g;
+  vec3 corner, nudge;
+  IvoryLevelShares shares = ivory_grid_shares(g, guard, p, ng, corner, nudge);
+  bool first = shares.share.x >= 0.5;
+  int level = first ? shares.level.x : shares.level.y;
+  stored = first ? shares.stored.x : shares.stored.y;
+  index = corner * exp2(float(level)) - 0.5 + nudge;
+  return ivory_grid_level(g, level);
+}
+
+// Of all levels by their shares; of two that meet one may see nothing, and the other answers alone.
+void ivory_grid_of_levels(IvoryGrid g, sampler3D volumes, sampler3D trust, usampler3D guard, vec3 p, vec3 ng,
+                          out vec3 m[12]) {
+  vec3 corner, nudge;
+  IvoryLevelShares shares = ivory_grid_shares(g, guard, p, ng, corner, nudge);
+  for (int f = 0; f < 12; ++f) m[f] = vec3(0.0);
+  float total = 0.0;
+  int rounds = shares.share.y > 0.0 ? 2 : 1;
+  for (int k = 0; k < rounds; ++k) {
+    int level = k == 0 ? shares.level.x : shares.level.y;
+    float share = k == 0 ? shares.share.x : shares.share.y;
+    vec3 part[12];
+    bool seen = ivory_grid_guarded(ivory_grid_level(g, level), volumes, trust, guard,
+                                   corner * exp2(float(level)) - 0.5 + nudge, ng,
+                                   k == 0 ? shares.stored.x : shares.stored.y, part);
+    share = seen ? share : 0.0;
+    total += share;
+    for (int f = 0; f < 12; ++f) m[f] += share * part[f];
+  }
+  for (int f = 0; f < 12; ++f) m[f] *= total > 0.0 ? 1.0 / total : 0.0;
 }
 
 // Stored values to moments in lux, to be read at the unit normal n (world).
@@ -381,14 +477,16 @@ void ivory_grid_decode(IvoryGrid g, vec3 n, inout vec3 m[12]) {
 void ivory_lookup_moments(IvoryGrid g, sampler3D volumes, sampler3D trust, usampler3D guard, vec3 p, vec3 ng, vec3 n,
                           out vec3 m[12]) {
   vec3 index = ivory_grid_to_index(g, p);
-  if (IVORY_GRID_GUARD == ivory_guard_planes)
-    ivory_grid_guarded(g, volumes, trust, guard, index, ng, m);
+  if (IVORY_GRID_LEVELS != 1)
+    ivory_grid_of_levels(g, volumes, trust, guard, p, ng, m);
+  else if (IVORY_GRID_GUARD == ivory_guard_planes)
+    ivory_grid_guarded(g, volumes, trust, guard, index, ng, 1.0, m);
   else
     ivory_grid_unguarded(g, volumes, trust, index, m);
   ivory_grid_decode(g, n, m);
 }
 
-// What one vertex stores: moments in lux to be read at the unit normal n, zero where it stores nothing.
+// What the vertex of a texel stores: moments in lux to be read at the unit normal n, zero where it stores nothing.
 void ivory_vertex_moments(IvoryGrid g, sampler3D volumes, sampler3D trust, ivec3 vertex, vec3 n, out vec3 m[12]) {
   float t = texelFetch(trust, vertex, 0).r;
   int count = ivory_grid_volume_count(g);

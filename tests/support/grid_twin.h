@@ -18,21 +18,12 @@ namespace ivory {
 // A grid of made-up light: at each vertex a few directions, of 1e-3 to 1e5 lux where `uneven`, else of 3000 to 30,000.
 // A tenth of the vertices store nothing, a fifth see little of their cells, a sixth are unlit, and most have planes
 // that cut off a part of what lies within a voxel.
-inline IrradianceGrid random_grid(const V3i& size, Basis basis, bool rotated, bool uneven, std::uint32_t seed) {
-  std::mt19937 random(seed);
+inline IrradianceGrid random_grid_on(const Lattice& lattice, Basis basis, bool uneven, std::mt19937& random) {
   std::uniform_real_distribution<float> uniform(0, 1);
   IrradianceGrid grid;
+  static_cast<Lattice&>(grid) = lattice;
   grid.basis = basis;
-  grid.frame.size = size;
-  grid.frame.origin_m = V3f(3, -2, 7);
-  grid.frame.spacing_m = V3f(0.5F, 0.7F, 0.4F);
-  if (rotated) {
-    const V3f x = random_direction(random);
-    const V3f y = x.cross(random_direction(random)).normalized();
-    const V3f z = x.cross(y);
-    grid.frame.local_to_world = M33f(x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z);
-  }
-  const std::size_t vertices = grid.frame.vertex_count();
+  const std::size_t vertices = grid.vertex_count();
   grid.moments.assign(vertices * std::size_t(grid.stride()), 0);
   grid.visible_fraction.assign(vertices, 0);
   grid.variance.assign(vertices, Rgb(0, 0, 0));
@@ -59,6 +50,21 @@ inline IrradianceGrid random_grid(const V3i& size, Basis basis, bool rotated, bo
   return grid;
 }
 
+inline IrradianceGrid random_grid(const V3i& size, Basis basis, bool rotated, bool uneven, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  GridFrame frame;
+  frame.size = size;
+  frame.origin_m = V3f(3, -2, 7);
+  frame.spacing_m = V3f(0.5F, 0.7F, 0.4F);
+  if (rotated) {
+    const V3f x = random_direction(random);
+    const V3f y = x.cross(random_direction(random)).normalized();
+    const V3f z = x.cross(y);
+    frame.local_to_world = M33f(x.x, x.y, x.z, y.x, y.y, y.z, z.x, z.y, z.z);
+  }
+  return random_grid_on(frame, basis, uneven, random);
+}
+
 // Twelve triples a vertex as the texture holds them: of that form, rounded to half in its unit.
 struct StoredGrid {
   GridForm form = GridForm::moments;
@@ -66,7 +72,7 @@ struct StoredGrid {
 
   StoredGrid(const IrradianceGrid& grid, const GpuGrid& gpu) : form(gpu.form), values(grid.moments) {
     const auto stride = std::size_t(grid.stride());
-    for (std::size_t v = 0; v < grid.frame.vertex_count(); ++v) {
+    for (std::size_t v = 0; v < grid.vertex_count(); ++v) {
       float* m = values.data() + v * stride;
       if (form == GridForm::norms_and_directions) {
         const auto compact = compact_from_moments(std::span<const float, 36>(m, 36));
@@ -102,12 +108,16 @@ inline TwinIrradiance irradiance_of(const IrradianceGrid& grid, const StoredGrid
     }
     out.largest += footprint.weight[i] * largest;
   }
-  const Footprint wide = make_footprint(grid.frame, nudged, Interpolation::tricubic);
-  for (std::size_t i = 0; i < std::size_t(wide.count); ++i) {
-    const float trust = vertex_trust(grid.visible_fraction[wide.vertex[i]]);
-    for (std::size_t k = 0; k < stride; ++k)
-      out.around = std::max(out.around, trust * std::abs(stored.values[wide.vertex[i] * stride + k]));
-  }
+  const auto look_around = [&](const Footprint& wide) {
+    for (std::size_t i = 0; i < std::size_t(wide.count); ++i) {
+      const float trust = vertex_trust(grid.visible_fraction[wide.vertex[i]]);
+      for (std::size_t k = 0; k < stride; ++k)
+        out.around = std::max(out.around, trust * std::abs(stored.values[wide.vertex[i] * stride + k]));
+    }
+  };
+  look_around(footprint);
+  const LevelShares shares = level_shares(grid, {.p = nudged});
+  for (const int level : shares.level) look_around(make_footprint(grid, level, {.p = nudged}, Interpolation::tricubic));
   if (stored.form == GridForm::norms_and_directions) {
     // A mean of directions that point apart is short, and what it is off by grows when it is made a unit vector.
     float shortest = 1;
@@ -128,20 +138,18 @@ struct LookupMargin {
   bool undecided = false;
   float kept = 1;
 };
-inline LookupMargin margin(const IrradianceGrid& grid, Guard guard, const V3f& nudged, const V3f& ng, float off_m,
-                           Interpolation interpolation) {
+inline LookupMargin margin_in_level(const IrradianceGrid& grid, int level, Guard guard, const LookupPoint& at,
+                                    Interpolation interpolation) {
   constexpr float closest_voxels = 1e-4F;  // float places points of this grid to 1e-6 of a voxel or so
   LookupMargin out;
-  const V3f index = grid.frame.to_index(nudged);
-  const V3f& spacing = grid.frame.spacing_m;
-  const V3f facing = grid.frame.direction_to_local(ng) * spacing;
-  const float behind_m = off_m + in_plane_voxels * std::min({spacing.x, spacing.y, spacing.z});
-  // Already off its surface, which the look-up would do from there.
-  const LookupPoint at{
-      .p = nudged - ng * off_m, .ng = ng, .nudge_voxels = off_m / std::min({spacing.x, spacing.y, spacing.z})};
+  const GridFrame& frame = grid.frame_of(level);
+  const V3f index = frame.to_index(at.nudged(frame));
+  const V3f& spacing = frame.spacing_m;
+  const V3f facing = frame.direction_to_local(at.ng) * spacing;
+  const float behind_m = at.off_m(frame) + in_plane_voxels * std::min({spacing.x, spacing.y, spacing.z});
   // The footprint as the guard leaves it. `sign` moves weights up and down by far more than rounding does.
   const auto read = [&](Interpolation in, const Footprint* near, float sign) {
-    Footprint f = make_footprint(grid.frame, nudged, in);
+    Footprint f = make_footprint(grid, level, at, in);
     for (std::size_t i = 0; i < std::size_t(f.count); ++i)
       f.weight[i] *= 1 + sign * 1e-4F * float(i * 37 % std::size_t(f.count)) / float(f.count);
     const VisibleEntries seen = guard == Guard::planes ? visible_by_guard(grid, at, f, near) : VisibleEntries().set();
@@ -149,10 +157,10 @@ inline LookupMargin margin(const IrradianceGrid& grid, Guard guard, const V3f& n
     return std::pair(f, kept);
   };
   const auto judge = [&](Interpolation in, const Footprint* near) {
-    const Footprint f = make_footprint(grid.frame, nudged, in);
+    const Footprint f = make_footprint(grid, level, at, in);
     for (std::size_t i = 0; i < std::size_t(f.count); ++i) {
       const std::uint32_t vertex = f.vertex[i];
-      const V3f u = index - V3f(grid.frame.vertex_coordinates(vertex));
+      const V3f u = index - V3f(grid.place_of(vertex).at);
       const float hidden = guard == Guard::planes ? hidden_by(grid.guard[vertex], u) : -1;
       const float weight = f.weight[i] * vertex_trust(grid.visible_fraction[vertex]);
       if (weight > 0 && std::abs(hidden) < closest_voxels) out.undecided = true;
@@ -181,6 +189,22 @@ inline LookupMargin margin(const IrradianceGrid& grid, Guard guard, const V3f& n
     out.kept = std::max(near.second, judge(Interpolation::tricubic, near.second > 0 ? &near.first : nullptr).second);
   // Nothing is seen, and nothing divided.
   if (out.kept < 1e-4F) out.kept = 1;
+  return out;
+}
+
+inline LookupMargin margin(const IrradianceGrid& grid, Guard guard, const V3f& nudged, const V3f& ng, float off_m,
+                           Interpolation interpolation) {
+  const V3f& spacing = grid.frame.spacing_m;
+  // Already off its surface, which the look-up would do from there.
+  const LookupPoint at{
+      .p = nudged - ng * off_m, .ng = ng, .nudge_voxels = off_m / std::min({spacing.x, spacing.y, spacing.z})};
+  const LevelShares shares = level_shares(grid, at);
+  LookupMargin out = margin_in_level(grid, shares.level[0], guard, at, interpolation);
+  if (shares.share[1] == 0) return out;
+  const LookupMargin other = margin_in_level(grid, shares.level[1], guard, at, interpolation);
+  out.undecided = out.undecided || other.undecided || std::min(shares.share[0], shares.share[1]) < 1e-4F;
+  // In the finer level, weights are divided by its share.
+  out.kept = std::min(out.kept * shares.share[0], other.kept);
   return out;
 }
 

@@ -14,8 +14,9 @@ namespace {
 VisibleEntries visible_by_rays(const IrradianceGrid& grid, const Intersector& intersector, const LookupPoint& at,
                                const Footprint& footprint) {
   VisibleEntries visible;
-  int level = -1;
-  V3f p{0, 0, 0};
+  if (footprint.count == 0) return visible;
+  const GridFrame& frame = grid.frame_of(grid.level_of(footprint.vertex[0]));  // as that of all
+  const V3f p = at.nudged(frame);
   std::array<V3f, 8> targets;
   std::array<std::size_t, 8> entries{};
   int filled = 0;
@@ -29,14 +30,7 @@ VisibleEntries visible_by_rays(const IrradianceGrid& grid, const Intersector& in
   for (std::size_t i = 0; i < std::size_t(footprint.count); ++i) {
     const std::uint32_t vertex = footprint.vertex[i];
     if (footprint.weight[i] == 0 || grid.visible_fraction[vertex] <= 0) continue;
-    const VertexPlace place = grid.place_of(vertex);
-    const GridFrame& frame = grid.frame_of(place.level);
-    if (place.level != level) {
-      if (filled > 0) query();
-      level = place.level;
-      p = at.nudged(frame);
-    }
-    targets[std::size_t(filled)] = frame.to_world(V3f(place.at));
+    targets[std::size_t(filled)] = frame.to_world(V3f(grid.place_of(vertex).at));
     entries[std::size_t(filled++)] = i;
     if (filled == 8) query();
   }
@@ -71,16 +65,13 @@ Footprint lookup_footprint(const IrradianceGrid& grid, const Intersector* inters
   };
   if (!fitted) return guarded_footprint(grid, at, params.interpolation, visible);
   // The second reading fades where something stands in front, and counts nothing half a voxel before the first.
-  return fitted_footprint(grid, at, visible, [&](const Footprint& near) {
+  return fitted_footprint(grid, at, visible, [&](int level, const Footprint& /*near*/) {
     LookupPoint farther = at;
     farther.nudge_voxels += 1;
-    FarReading out{make_footprint(grid, farther, Interpolation::trilinear), 0};
-    float apart = 0;  // voxels of the levels that are read
-    for (std::size_t i = 0; i < std::size_t(near.count); ++i) {
-      const GridFrame& level = grid.frame_of(grid.level_of(near.vertex[i]));
-      const V3f& h = level.spacing_m;
-      apart += near.weight[i] * (farther.off_m(level) - at.off_m(level)) / std::min({h.x, h.y, h.z});
-    }
+    FarReading out{make_footprint(grid, level, farther, Interpolation::trilinear), 0};
+    const GridFrame& frame = grid.frame_of(level);
+    const V3f& h = frame.spacing_m;
+    const float apart = (farther.off_m(frame) - at.off_m(frame)) / std::min({h.x, h.y, h.z});
     if (apart <= 0.5F) return out;
     const float kept =
         restrict_footprint(grid, visible_by_rays(grid, *intersector, farther, out.footprint), out.footprint);

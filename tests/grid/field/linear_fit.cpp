@@ -61,7 +61,7 @@ TEST(LinearFit, SolvesTheNormalEquations) {
     VisibleEntries visible;
     for (std::size_t i = 0; i < std::size_t(seen.count); ++i) visible[i] = uniform(random) < 0.6F;
     if (restrict_footprint(grid, visible, seen) == 0) continue;
-    const Footprint fitted = fit_linear(grid, p, seen);
+    const Footprint fitted = fit_linear(grid, 0, p, seen);
     const auto light = [&](std::size_t i) { return double(grid.at(seen.vertex[i])[0]); };
     double ridge = 0.03;
     for (std::size_t i = 0; i < std::size_t(seen.count); ++i)

@@ -19,10 +19,15 @@ vec3 ivory_output(IvorySurface s) {
 constexpr const char* stored_shader = R"(
 #define IVORY_OUTPUT
 vec3 ivory_output(IvorySurface s) {
-  vec3 index = ivory_grid_to_index(ivory_grid, s.p + s.ng * ivory_grid.nudge_m);
-  ivec3 vertex = clamp(ivec3(floor(index + 0.5)), ivec3(0), ivory_grid.size - 1);
+  vec3 index;
+  float stored;
+  IvoryGrid g =
+      ivory_grid_level_at(ivory_grid, ivory_grid_guard, s.p + s.ng * ivory_grid.nudge_m, s.ng, index, stored);
+  ivec3 vertex = clamp(ivec3(floor(index + 0.5)), ivec3(0), g.size - 1);
+  ivec3 texel = ivory_grid_texel(g, ivory_grid_guard, vertex);
+  if (texel.x < 0) return vec3(0.0);
   vec3 m[12];
-  ivory_vertex_moments(ivory_grid, ivory_grid_volumes, ivory_grid_trust, vertex, s.ns, m);
+  ivory_vertex_moments(ivory_grid, ivory_grid_volumes, ivory_grid_trust, texel, s.ns, m);
   return ivory_grid_irradiance(ivory_grid, m, s.ns);
 }
 )";
@@ -46,9 +51,12 @@ vec3 ivory_output(IvorySurface s) {
 constexpr const char* kept_shader = R"(
 #define IVORY_OUTPUT
 vec3 ivory_output(IvorySurface s) {
-  IvoryGrid g = ivory_grid;
-  vec3 index = ivory_grid_to_index(g, s.p + s.ng * g.nudge_m);
+  vec3 index;
+  float stored;
+  IvoryGrid g =
+      ivory_grid_level_at(ivory_grid, ivory_grid_guard, s.p + s.ng * ivory_grid.nudge_m, s.ng, index, stored);
   IvoryFootprint footprint = ivory_make_footprint(g, index, IVORY_GRID_INTERPOLATION);
+  footprint.z *= footprint.wide ? ivory_stored_factor(g, ivory_grid_guard, footprint, 64) : 1.0 / stored;
   IvoryPassed passed = ivory_passed_by_guard(g, ivory_grid_trust, ivory_grid_guard, index, s.ng, footprint,
                                              ivory_footprint_count(footprint));
   if (IVORY_GRID_INTERPOLATION == ivory_trilinear)
@@ -58,16 +66,37 @@ vec3 ivory_output(IvorySurface s) {
 }
 )";
 
+// Of several levels, what is read without guard is that of the level that counts most.
 constexpr const char* guard_shader = R"(
 #define IVORY_OUTPUT
 vec3 ivory_output(IvorySurface s) {
-  vec3 index = ivory_grid_to_index(ivory_grid, s.p + s.ng * ivory_grid.nudge_m);
+  vec3 index;
+  float stored;
+  IvoryGrid g =
+      ivory_grid_level_at(ivory_grid, ivory_grid_guard, s.p + s.ng * ivory_grid.nudge_m, s.ng, index, stored);
   vec3 off[12];
-  ivory_grid_unguarded(ivory_grid, ivory_grid_volumes, ivory_grid_trust, index, off);
+  if (IVORY_GRID_LEVELS == 1) {
+    ivory_grid_unguarded(g, ivory_grid_volumes, ivory_grid_trust, index, off);
+  } else {
+    IvoryFootprint footprint = ivory_make_footprint(g, index, ivory_trilinear);
+    float kept = 0.0;
+    for (int f = 0; f < 12; ++f) off[f] = vec3(0.0);
+    for (int e = 0; e < 8; ++e) {
+      ivec3 vertex;
+      float weight;
+      ivory_footprint_entry(g, footprint, e, vertex, weight);
+      ivec3 texel = ivory_grid_texel(g, ivory_grid_guard, vertex);
+      kept += weight * ivory_texel_trust(ivory_grid_trust, texel);
+      weight = texel.x < 0 ? 0.0 : weight;
+      for (int f = 0; f < ivory_grid_volume_count(g); ++f)
+        off[f] += weight * texelFetch(ivory_grid_volumes, max(texel, ivec3(0)) + ivec3(g.slab[f]), 0).rgb;
+    }
+    for (int f = 0; f < 12; ++f) off[f] /= max(kept, 1e-4);
+  }
   ivory_grid_decode(ivory_grid, s.ns, off);
   vec3 on[12];
-  ivory_grid_guarded(ivory_grid, ivory_grid_volumes, ivory_grid_trust, ivory_grid_guard, index, s.ng, on);
-  ivory_grid_decode(ivory_grid, s.ns, on);
+  ivory_lookup_moments(ivory_grid, ivory_grid_volumes, ivory_grid_trust, ivory_grid_guard,
+                       s.p + s.ng * ivory_grid.nudge_m, s.ng, s.ns, on);
   return ivory_grid_irradiance(ivory_grid, off, s.ns) - ivory_grid_irradiance(ivory_grid, on, s.ns);
 }
 )";

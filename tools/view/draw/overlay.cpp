@@ -10,6 +10,8 @@ namespace ivory {
 
 namespace {
 
+// In grids of several levels the shown vertices are every step-th texel of their atlas, whatever level they are of.
+//
 // An instance is one of the shown vertices (of spheres) or one of its six vectors; four corners of a strip each.
 constexpr const char* instance_functions = R"(
 uniform mat4 clip_from_world;
@@ -19,6 +21,8 @@ uniform int vertex_step;
 uniform float unit_m;    // radius of spheres; half width of needles
 uniform sampler3D visible_fraction;
 
+uniform usampler3D brick_places;  // of several levels: where each of the atlas' bricks stands
+
 ivec3 vertex_of(int i) { return ivec3(i % shown.x, i / shown.x % shown.y, i / (shown.x * shown.y)) * vertex_step; }
 vec2 corner() { return vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0; }
 const vec4 nowhere = vec4(0.0, 0.0, 2.0, 1.0);
@@ -26,24 +30,41 @@ const vec4 nowhere = vec4(0.0, 0.0, 2.0, 1.0);
 
 // A square behind the sphere's outline as the eye sees it. For an eye at distance d the outline's cone meets the plane
 // through the centre in a circle of radius r / sqrt(1 - (r/d)^2).
+// After ambient/grid.glsl. The vertex of a texel: its position, and how much smaller its level's spacing is; 0 where
+// the atlas holds none.
+constexpr const char* place_function = R"(
+vec3 place_of(ivec3 texel, out float size) {
+  size = 1.0;
+  if (IVORY_GRID_LEVELS == 1) return ivory_grid_vertex_position(ivory_grid, texel);
+  ivec4 place = ivec4(texelFetch(brick_places, texel >> 2, 0));
+  IvoryGrid level = ivory_grid_level(ivory_grid, max(place.w - 1, 0));
+  ivec3 vertex = (place.xyz << 2) + (texel & 3);
+  bool is_there = place.w > 0 && all(lessThan(vertex, level.size));
+  size = is_there ? exp2(float(1 - place.w)) : 0.0;
+  return ivory_grid_vertex_position(level, vertex);
+}
+)";
+
 constexpr const char* sphere_vertex = R"(
-#include "ambient/grid.glsl"
 out vec3 square;
 flat out vec3 center;
 flat out ivec3 vertex;
+flat out float radius;
 void main() {
   vertex = vertex_of(gl_InstanceID);
-  center = ivory_grid_vertex_position(ivory_grid, vertex);
+  float size;
+  center = place_of(vertex, size);
+  radius = unit_m * size;
   vec3 to_eye = eye.w > 0.5 ? eye.xyz - center : eye.xyz;
   float d = length(to_eye);
-  bool inside = eye.w > 0.5 && d < 1.5 * unit_m;
+  bool inside = eye.w > 0.5 && d < 1.5 * radius;
   bool empty = texelFetch(visible_fraction, vertex, 0).r <= 0.0;
   vec3 axis = to_eye / d;
   vec3 right = normalize(cross(abs(axis.y) < 0.9 ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0), axis));
-  float k = unit_m / d;
-  float r = eye.w > 0.5 ? unit_m * inversesqrt(max(1.0 - k * k, 1e-3)) : unit_m;
+  float k = radius / d;
+  float r = eye.w > 0.5 ? radius * inversesqrt(max(1.0 - k * k, 1e-3)) : radius;
   square = center + (right * corner().x + cross(axis, right) * corner().y) * r;
-  gl_Position = inside || (empty && !show_empty) ? nowhere : clip_from_world * vec4(square, 1.0);
+  gl_Position = inside || size == 0.0 || (empty && !show_empty) ? nowhere : clip_from_world * vec4(square, 1.0);
 }
 )";
 
@@ -52,13 +73,13 @@ constexpr const char* sphere_fragment = R"(
 #include "base/pi.glsl"
 uniform mat4 clip_from_world;
 uniform vec4 eye;
-uniform float unit_m;
 uniform sampler3D visible_fraction;
 uniform vec4 colors[17];
 uniform float brightness;  // of display colours, nits
 in vec3 square;
 flat in vec3 center;
 flat in ivec3 vertex;
+flat in float radius;
 out vec4 fragment;
 
 vec3 color_of(float x) {
@@ -69,10 +90,10 @@ vec3 color_of(float x) {
 
 void main() {
   vec3 w = eye.w > 0.5 ? normalize(square - eye.xyz) : -eye.xyz;
-  vec3 start = square - w * (2.0 * unit_m);
+  vec3 start = square - w * (2.0 * radius);
   vec3 o = start - center;
   float b = dot(o, w);
-  float discriminant = b * b - dot(o, o) + unit_m * unit_m;
+  float discriminant = b * b - dot(o, o) + radius * radius;
   if (discriminant < 0.0) discard;
   vec3 p = start + w * (-b - sqrt(discriminant));
   vec3 n = normalize(p - center);
@@ -93,7 +114,6 @@ void main() {
 // A needle from the vertex towards the light, widest at the vertex. The hemispheres' vectors from the moments:
 // I_{+i} = (F + D_i) / 2, I_{-i} = (F - D_i) / 2.
 constexpr const char* vector_vertex = R"(
-#include "ambient/grid.glsl"
 uniform float length_scale;  // m a lux
 uniform float longest_m;
 flat out vec3 color;
@@ -107,16 +127,18 @@ void main() {
   for (int i = 0; i < 3; ++i)
     v[i] = dot(m[i] + side * m[3 + 3 * axis + i], vec3(0.2126, 0.7152, 0.0722)) * 0.5;
   float lux = length(v);
-  vec3 from = ivory_grid_vertex_position(ivory_grid, vertex);
+  float size;
+  vec3 from = place_of(vertex, size);
   vec3 direction = ivory_grid.local_to_world * (v / max(lux, 1e-30));
   vec3 to_eye = eye.w > 0.5 ? normalize(eye.xyz - from) : eye.xyz;
   vec3 across = cross(direction, to_eye);
   across = dot(across, across) > 1e-12 ? normalize(across) : vec3(0.0);
   float along = (corner().y + 1.0) * 0.5;
-  vec3 p = from + direction * (min(lux * length_scale, longest_m) * along) + across * (corner().x * unit_m * (1.0 - along));
+  float reach_m = min(lux * length_scale, longest_m) * size;
+  vec3 p = from + direction * (reach_m * along) + across * (corner().x * unit_m * size * (1.0 - along));
   color = vec3(axis == 0, axis == 1, axis == 2);
   color = mix(color, vec3(1.0), side > 0.0 ? 0.08 : 0.55);
-  gl_Position = lux > 0.0 ? clip_from_world * vec4(p, 1.0) : nowhere;
+  gl_Position = lux > 0.0 && size > 0.0 ? clip_from_world * vec4(p, 1.0) : nowhere;
 }
 )";
 
@@ -129,8 +151,9 @@ void main() { fragment = vec4(color * brightness, 1.0); }
 
 int shown_along(int size, int step) { return (size + step - 1) / step; }
 
-V3i shown_vertices(const GridFrame& frame, int step) {
-  return {shown_along(frame.size.x, step), shown_along(frame.size.y, step), shown_along(frame.size.z, step)};
+// `size` counts texels, which in a grid of one level are its vertices.
+V3i shown_vertices(const V3i& size, int step) {
+  return {shown_along(size.x, step), shown_along(size.y, step), shown_along(size.z, step)};
 }
 
 float least_spacing(const GridFrame& frame) {
@@ -143,10 +166,10 @@ float brightness_of(const ToneParams& tone) { return 0.75F * std::exp2(-tone.exp
 
 }  // namespace
 
-int automatic_vertex_step(const GridFrame& frame) {
+int automatic_vertex_step(const V3i& size) {
   constexpr std::int64_t most = 20'000;
   for (int step = 1;; ++step) {
-    const V3i shown = shown_vertices(frame, step);
+    const V3i shown = shown_vertices(size, step);
     if (std::int64_t(shown.x) * shown.y * shown.z <= most) return step;
   }
 }
@@ -158,7 +181,8 @@ gl::Program& OverlayPass::program(const GridAsset& grid, DebugView view) {
   gl::Program& found = programs_[defines + std::string(name_of(view))];
   if (!found) {
     found = gl::make_program(std::string(name_of(view)),
-                             defines + instance_functions + (vectors ? vector_vertex : sphere_vertex),
+                             defines + instance_functions + "#include \"ambient/grid.glsl\"\n" + place_function +
+                                 (vectors ? vector_vertex : sphere_vertex),
                              defines + (vectors ? vector_fragment : sphere_fragment));
   }
   return found;
@@ -169,15 +193,18 @@ void OverlayPass::draw(const GridAsset& grid, const RuntimeCamera& camera, const
   if (vectors && grid.gpu.basis != Basis::vectors)
     throw ParameterError("debug", "vectors needs a grid of basis vectors, not " + std::string(name_of(grid.gpu.basis)));
   const GridFrame& frame = grid.gpu.frame;
-  const int step = settings.vertex_step > 0 ? settings.vertex_step : automatic_vertex_step(frame);
-  const V3i shown = shown_vertices(frame, step);
-  const float spacing = least_spacing(frame) * float(step);
+  const int step = settings.vertex_step > 0 ? settings.vertex_step : automatic_vertex_step(grid.gpu.atlas.size);
+  const V3i shown = shown_vertices(grid.gpu.atlas.size, step);
+  // Where steps leave out parts of bricks, what is left of them stands no farther apart.
+  const float spacing = least_spacing(frame) * (grid.gpu.levels > 1 ? 1.0F : float(step));
   if (!no_vertices_) no_vertices_ = gl::make<gl::Kind::vertex_array>();
 
   gl::Program& p = program(grid, settings.debug);
   const int unit = bind(grid.gpu, p, 0);
   gl::bind(grid.visible_fraction, unit);
   p.set("visible_fraction", unit);
+  gl::bind(grid.gpu.levels > 1 ? grid.brick_places : grid.gpu.guard, unit + 1);  // samplers of two types share no unit
+  p.set("brick_places", unit + 1);
   p.set("clip_from_world", camera.clip_from_world);
   const V3f eye = camera.perspective ? camera.position_m : -camera.forward;
   p.set("eye", V4f(eye.x, eye.y, eye.z, camera.perspective ? 1.0F : 0.0F));

@@ -7,8 +7,8 @@
 
 namespace ivory {
 
-// The smallest step of which every step-th vertex along each axis makes at most 20,000.
-int automatic_vertex_step(const GridFrame& frame);
+// The smallest step of which every step-th vertex along each axis of so many makes at most 20,000.
+int automatic_vertex_step(const V3i& size);
 
 class OverlayPass {
  public:

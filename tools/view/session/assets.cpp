@@ -67,8 +67,27 @@ Rgb mean_irradiance(const DifMap& map) {
 GridAsset make_grid_asset(const std::string& path, const IrradianceGrid& grid) {
   GridAsset asset;
   asset.gpu = upload(grid, {}, path);
-  asset.visible_fraction =
-      gl::make_texture_3d(path, gl::Format::r16f, grid.frame.size, grid.visible_fraction.data(), gl::Filter::nearest);
+  const GridAtlas& atlas = asset.gpu.atlas;
+  const auto texel_index = [](const V3i& at, const V3i& size) {
+    return (std::size_t(at.z) * std::size_t(size.y) + std::size_t(at.y)) * std::size_t(size.x) + std::size_t(at.x);
+  };
+  const V3i bricks = atlas.size / brick_side;
+  std::vector<float> seen(texel_index(V3i(0, 0, atlas.size.z), atlas.size));
+  // Where each brick of the atlas stands: its coordinates in its level, and the level plus one; 0 for none.
+  std::vector<std::array<std::uint32_t, 4>> places(grid.levels() > 1 ? texel_index(V3i(0, 0, bricks.z), bricks) : 0);
+  for (std::uint32_t v = 0; v < grid.vertex_count(); ++v) {
+    const V3i texel = atlas.texel_of(grid, v);
+    seen[texel_index(texel, atlas.size)] = grid.visible_fraction[v];
+    if (places.empty()) continue;
+    const VertexPlace place = grid.place_of(v);
+    const V3i brick = place.at / brick_side;
+    places[texel_index(texel / brick_side, bricks)] = {std::uint32_t(brick.x), std::uint32_t(brick.y),
+                                                       std::uint32_t(brick.z), std::uint32_t(place.level + 1)};
+  }
+  asset.visible_fraction = gl::make_texture_3d(path, gl::Format::r16f, atlas.size, seen.data(), gl::Filter::nearest);
+  if (!places.empty()) {
+    asset.brick_places = gl::make_texture_3d(path, gl::Format::rgba32ui, bricks, places.data(), gl::Filter::nearest);
+  }
   asset.typical_vector_lux = typical_vector(grid);
   asset.mean_e_lux = mean_irradiance(grid);
   asset.holds_direct = grid.light != StoredLight::indirect;
@@ -94,7 +113,9 @@ std::string ViewAsset::label() const { return std::filesystem::path(path).filena
 
 std::size_t ViewAsset::bytes() const {
   struct Bytes {
-    std::size_t operator()(const GridAsset& grid) const { return grid.gpu.bytes() + grid.visible_fraction.bytes(); }
+    std::size_t operator()(const GridAsset& grid) const {
+      return grid.gpu.bytes() + grid.visible_fraction.bytes() + grid.brick_places.bytes();
+    }
     std::size_t operator()(const DifMapAsset& map) const { return map.gpu.bytes(); }
     std::size_t operator()(const GpuSh9& sh) const { return sh.bytes(); }
     std::size_t operator()(const GpuLocalizedCube& cube) const { return cube.bytes(); }

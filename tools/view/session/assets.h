@@ -20,6 +20,7 @@ namespace ivory {
 struct GridAsset {
   GpuGrid gpu;
   gl::Texture visible_fraction;  // R16F, a texel a vertex: the runtime keeps a capped form of it only
+  gl::Texture brick_places;  // of several levels: RGBA32UI, where each of the atlas' bricks stands (draw/overlay.cpp)
   float typical_vector_lux = 0;  // length that nineteen in twenty of the stored vectors stay under
   Rgb mean_e_lux{0, 0, 0};       // about
   bool holds_direct = false;     // light as well as indirect

@@ -7,6 +7,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "tracer/bake/field/scene_lattice.h"
 #include "tracer/core/sampler.h"
 
 // What a vertex sees is star-shaped; an intersection of half-spaces n.u <= d is the part of that idea
@@ -165,10 +166,13 @@ std::vector<GuardRecord> fit_guard(const Intersector& intersector, const Lattice
                                    const std::vector<float>& visible_fraction, const std::vector<bool>& lit,
                                    const GuardFitParams& params) {
   std::vector<GuardRecord> records(lattice.vertex_count());
+  // Elsewhere nothing is hidden: a voxel's support, and a quarter more for rounding.
+  const std::vector<BrickMarks> near = bricks_near_surfaces(intersector.scene(), lattice, 1.25F);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, records.size(), 64), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v) {
       if (visible_fraction[v] <= 0) continue;
       const VertexPlace place = lattice.place_of(std::uint32_t(v));
+      if (!near[std::size_t(place.level)].holds(place.at)) continue;
       const GridFrame& frame = lattice.frame_of(place.level);
       // Numbered within its level, so that the same vertex of a uniform grid has the same planes.
       const std::size_t stream = frame.vertex_index(place.at.x, place.at.y, place.at.z);

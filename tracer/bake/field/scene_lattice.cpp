@@ -33,32 +33,6 @@ bool meets(const Triangle& triangle, const V3f& center, const V3f& half) {
   return true;
 }
 
-// A byte a brick of a level.
-struct BrickMarks {
-  V3i bricks;
-  std::vector<std::uint8_t> marked;
-
-  explicit BrickMarks(const GridFrame& level) {
-    for (int axis = 0; axis < 3; ++axis) bricks[axis] = (level.size[axis] + brick_side - 1) / brick_side;
-    marked.assign(index({0, 0, bricks.z}), 0);
-  }
-  std::size_t index(const V3i& b) const {
-    return (std::size_t(b.z) * std::size_t(bricks.y) + std::size_t(b.y)) * std::size_t(bricks.x) + std::size_t(b.x);
-  }
-  std::vector<V3i> list() const {
-    std::vector<V3i> out;
-    V3i at;
-    for (at.z = 0; at.z < bricks.z; ++at.z) {
-      for (at.y = 0; at.y < bricks.y; ++at.y) {
-        for (at.x = 0; at.x < bricks.x; ++at.x) {
-          if (marked[index(at)] != 0) out.push_back(at);
-        }
-      }
-    }
-    return out;
-  }
-};
-
 // Marks the bricks first .. last - 1 that the triangle comes within reach of: halves of the box are asked until they
 // are single bricks, so that a large triangle costs no more than the bricks along it.
 void mark(const Triangle& triangle, float reach, const V3i& first, const V3i& last, BrickMarks& marks) {
@@ -91,7 +65,32 @@ std::array<V3i, 2> brick_range(const V3f& low, const V3f& high, const V3i& brick
 
 }  // namespace
 
-std::vector<V3i> bricks_near_surfaces(const Scene& scene, const GridFrame& level, float reach_voxels) {
+BrickMarks::BrickMarks(const GridFrame& level) {
+  for (int axis = 0; axis < 3; ++axis) bricks[axis] = (level.size[axis] + brick_side - 1) / brick_side;
+  marked.assign(index({0, 0, bricks.z}), 0);
+}
+
+std::vector<V3i> BrickMarks::list() const {
+  std::vector<V3i> out;
+  V3i at;
+  for (at.z = 0; at.z < bricks.z; ++at.z) {
+    for (at.y = 0; at.y < bricks.y; ++at.y) {
+      for (at.x = 0; at.x < bricks.x; ++at.x) {
+        if (marked[index(at)] != 0) out.push_back(at);
+      }
+    }
+  }
+  return out;
+}
+
+std::vector<BrickMarks> bricks_near_surfaces(const Scene& scene, const Lattice& lattice, float reach_voxels) {
+  std::vector<BrickMarks> out;
+  for (int level = 0; level < lattice.levels(); ++level)
+    out.push_back(bricks_near_surfaces(scene, lattice.frame_of(level), reach_voxels));
+  return out;
+}
+
+BrickMarks bricks_near_surfaces(const Scene& scene, const GridFrame& level, float reach_voxels) {
   BrickMarks marks(level);
   const V3f reach(reach_voxels, reach_voxels, reach_voxels);
   for (const Instance& instance : scene.instances) {
@@ -107,7 +106,7 @@ std::vector<V3i> bricks_near_surfaces(const Scene& scene, const GridFrame& level
       mark(triangle, reach_voxels, range[0], range[1], marks);
     }
   }
-  return marks.list();
+  return marks;
 }
 
 std::vector<V3i> bricks_in_boxes(const std::vector<Box3f>& boxes, const GridFrame& level) {
@@ -146,7 +145,7 @@ Lattice make_scene_lattice(const Scene& scene, const GridFrame& finest, const Sc
   // As the lattice will have it: its origin is rounded on the way down.
   GridFrame level = coarsest;
   for (int i = 1; i < params.levels; ++i) level = finer_frame(level);
-  bricks.back() = bricks_near_surfaces(scene, level, params.reach_voxels);
+  bricks.back() = bricks_near_surfaces(scene, level, params.reach_voxels).list();
   const std::vector<V3i> moved = bricks_in_boxes(params.dynamic_regions, level);
   bricks.back().insert(bricks.back().end(), moved.begin(), moved.end());
   return make_lattice(coarsest, bricks);

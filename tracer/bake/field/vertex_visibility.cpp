@@ -6,6 +6,8 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "tracer/bake/field/scene_lattice.h"
+
 namespace ivory {
 namespace {
 
@@ -65,9 +67,12 @@ std::uint64_t cell_mask(const Intersector& intersector, const GridFrame& frame, 
 std::vector<std::uint64_t> vertex_cell_masks(const Intersector& intersector, const Lattice& lattice) {
   std::vector<std::uint64_t> masks(lattice.vertex_count(), ~std::uint64_t(0));
   if (intersector.radius_m() == 0) return masks;
+  // In the open, cells are seen whole.
+  const std::vector<BrickMarks> near = bricks_near_surfaces(intersector.scene(), lattice, 0.75F);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, masks.size(), 256), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v) {
       const VertexPlace place = lattice.place_of(std::uint32_t(v));
+      if (!near[std::size_t(place.level)].holds(place.at)) continue;
       masks[v] = cell_mask(intersector, lattice.frame_of(place.level), V3f(place.at));
     }
   });
