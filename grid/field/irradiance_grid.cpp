@@ -1,6 +1,7 @@
 #include "grid/field/irradiance_grid.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 #include "grid/base/anchor.h"
@@ -43,6 +44,7 @@ void set_anchor(GridVertices& grid, const V3d& anchor_m) {
 }
 
 Footprint make_footprint(const GridFrame& frame, const V3f& p, Interpolation interpolation) {
+  assert(interpolation != Interpolation::fitted);
   const V3f index = frame.to_index(p);
   const std::array<AxisFootprint, 3> axes{axis_footprint(index.x, frame.size.x, interpolation),
                                           axis_footprint(index.y, frame.size.y, interpolation),
@@ -171,7 +173,9 @@ Rgb irradiance_of(const IrradianceGrid& grid, const Footprint& footprint, const 
     const float* vertex = grid.moments.data() + footprint.vertex[entry] * stride;
     for (std::size_t i = 0; i < stride; ++i) moments[i] += weight * vertex[i];
   }
-  return irradiance(grid.basis, reconstruction, moments.data(), grid.frame.direction_to_local(n));
+  const Rgb e = irradiance(grid.basis, reconstruction, moments.data(), grid.frame.direction_to_local(n));
+  // Weights of either sign can leave moments that no light has.
+  return {std::max(e.x, 0.0F), std::max(e.y, 0.0F), std::max(e.z, 0.0F)};
 }
 
 }  // namespace

@@ -54,10 +54,13 @@ struct IrradianceGrid : GridVertices {
 enum class Interpolation {
   trilinear,
   tricubic,  // B-spline: smoother, and blurs
+  fitted,    // linear_fit.h: a linear field through the vertices around two points before the surface, at the surface
 };
 template <>
-inline constexpr auto name_table<Interpolation> = make_name_table<Interpolation>(
-    "interpolation", {{Interpolation::trilinear, "trilinear"}, {Interpolation::tricubic, "tricubic"}});
+inline constexpr auto name_table<Interpolation> =
+    make_name_table<Interpolation>("interpolation", {{Interpolation::trilinear, "trilinear"},
+                                                     {Interpolation::tricubic, "tricubic"},
+                                                     {Interpolation::fitted, "fitted"}});
 
 // What keeps light from leaking through walls when a grid is read.
 enum class Guard {
@@ -69,9 +72,10 @@ template <>
 inline constexpr auto name_table<Guard> =
     make_name_table<Guard>("guard", {{Guard::rays, "rays"}, {Guard::planes, "planes"}, {Guard::off, "off"}});
 
-// The vertices that a look-up reads and their interpolation weights, which add up to one. Those of a level lie
-// together. In a uniform grid 8 trilinear, 64 tricubic, 72 a blend of both; where levels meet at most 16, 192, 208.
-inline constexpr std::size_t max_footprint = 208;
+// The vertices that a look-up reads and their weights, which add up to one. Those of fit_linear() may be negative, and
+// its vertices may come twice. Those of a level lie together, but for fit_linear()'s. In a uniform grid 8 trilinear, 64
+// tricubic, 72 a blend of both, 8 more if fitted; where levels meet at most 16, 192, 208, 16 more.
+inline constexpr std::size_t max_footprint = 224;
 struct Footprint {
   int count = 0;      // 0: no vertex sees the point, and E is 0
   bool wide = false;  // holds vertices farther than a voxel from the point: tricubic
@@ -109,7 +113,7 @@ struct LookupPoint {
 void set_anchor(GridVertices& grid, const V3d& anchor_m);
 
 // Footprint of p (as the frame counts it: world, m, less the anchor). Beyond the outermost vertices the nearest ones
-// are repeated.
+// are repeated. The interpolation is not `fitted`, which is made of trilinear footprints.
 Footprint make_footprint(const GridFrame& frame, const V3f& p, Interpolation interpolation);
 
 // The same in a lattice, from the finest level down: weights of vertices that are not stored pass on to the next

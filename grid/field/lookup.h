@@ -4,6 +4,7 @@
 
 #include "grid/field/guard.h"
 #include "grid/field/irradiance_grid.h"
+#include "grid/field/linear_fit.h"
 
 namespace ivory {
 
@@ -33,6 +34,22 @@ Footprint guarded_footprint(const IrradianceGrid& grid, const LookupPoint& at, I
   }
   if (kept == 0) footprint.count = 0;
   return footprint;
+}
+
+// The footprint of Interpolation::fitted at at.p: the vertices read as above and those of a second, trilinear footprint
+// one voxel farther off. far(near) answers that one, restricted, and how much it counts, 0 to 1. It has 0.3
+// of the weight before the fit.
+inline constexpr float far_weight = 0.3F;
+struct FarReading {
+  Footprint footprint;
+  float share = 0;
+};
+template <typename Visible, typename Far>
+Footprint fitted_footprint(const IrradianceGrid& grid, const LookupPoint& at, const Visible& visible, const Far& far) {
+  const Footprint near = guarded_footprint(grid, at, Interpolation::trilinear, visible);
+  if (near.count == 0) return near;
+  const FarReading reading = far(near);
+  return fit_linear(grid, at.p, blend(near, reading.footprint, 1 - far_weight * reading.share));
 }
 
 // The footprint that a look-up at surface point p (world, m; unit geometric normal ng on the lit side) reads, by the

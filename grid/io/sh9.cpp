@@ -124,7 +124,8 @@ Sh9Asset read_sh9(const std::string& path) {
   }
   asset.metadata = metadata_from_json(reader.json(), json_sh9);
   std::erase_if(asset.metadata, [](const auto& entry) {
-    return entry.first == "order" || entry.first.find("_error") != std::string::npos;
+    return entry.first == "order" || entry.first.starts_with("average_error") ||
+           entry.first.starts_with("maximum_error");
   });
   return asset;
 }

@@ -5,6 +5,9 @@
 #include <cmath>
 #include <numbers>
 
+#include <tbb/parallel_for.h>
+
+#include "grid/base/counted_random.h"
 #include "grid/base/error.h"
 #include "grid/lobes/moments.h"
 
@@ -121,39 +124,82 @@ float at_most(float exponent) { return std::min(exponent, max_lobe_exponent); }
 
 }  // namespace
 
-LobeTable make_lobe_table(const LobeTableParams& params) {
+namespace {
+
+// An empty table of that size.
+LobeTable sized(const LobeTableParams& params) {
   if (params.exponent_nodes < 2 || params.exponent_nodes > 129 || params.angle_nodes < 2 || params.angle_nodes > 513)
     throw ParameterError("nodes", "a lobe table needs 2 to 129 along the exponents and 2 to 513 along the angle");
   LobeTable table;
   table.exponent_nodes = params.exponent_nodes;
   table.angle_nodes = params.angle_nodes;
-  const int n = params.exponent_nodes;
-  const std::size_t row = std::size_t(params.angle_nodes) * LobeTable::channels;
-  table.values.resize(std::size_t(n) * std::size_t(n) * row);
+  table.values.resize(lobe_table_bytes(params) / sizeof(float));
+  return table;
+}
+
+void fill_node(LobeTable& table, int i1, int i2, int j) {
+  const int n = table.exponent_nodes;
   const auto exponent_at = [&](int i) {
     return i + 1 == n ? double(max_lobe_exponent)
                       : std::expm1(double(last_coordinate) * i / (n - 1)) / double(exponent_slope);
   };
-  for (int i1 = 0; i1 < n; ++i1) {
-    for (int i2 = 0; i2 < n; ++i2) {
-      const double e1 = exponent_at(i1);
-      const double e2 = exponent_at(i2);
-      const double k = std::sqrt(e1 + e2 + 1);
-      float* out = table.values.data() + (std::size_t(i1) * std::size_t(n) + std::size_t(i2)) * row;
-      for (int j = 0; j < params.angle_nodes; ++j, out += LobeTable::channels) {
-        const double x = 2.0 * j / (params.angle_nodes - 1) - 1;
-        const double z = std::clamp(std::sinh(x * std::asinh(k)) / k, -1.0, 1.0);
-        // z = sqrt(2) sin(pi/4 - alpha/2). At the end itself all is 0/0: the limit is taken a little before.
-        const double alpha =
-            std::clamp(0.5 * double(pi) - 2 * std::asin(z / std::numbers::sqrt2), 0.0, std::numbers::pi - 1e-4);
-        const LobeProductMoments moments = lobe_product_moments(e1, e2, alpha);
-        const Guess guess = make_guess(float(e1), float(e2), float(std::cos(alpha)), float(std::sin(alpha)));
-        out[0] = float(std::exp(moments.log_integral - double(guess.log_integral)));
-        out[1] = float((moments.axis_angle_rad - std::atan(double(guess.tan1))) * k);
-        out[2] = float((moments.exponent + 2) / (e1 + e2 + 2));
-      }
-    }
+  const double e1 = exponent_at(i1);
+  const double e2 = exponent_at(i2);
+  const double k = std::sqrt(e1 + e2 + 1);
+  const double x = 2.0 * j / (table.angle_nodes - 1) - 1;
+  const double z = std::clamp(std::sinh(x * std::asinh(k)) / k, -1.0, 1.0);
+  // z = sqrt(2) sin(pi/4 - alpha/2). At the end itself all is 0/0: the limit is taken a little before.
+  const double alpha =
+      std::clamp(0.5 * double(pi) - 2 * std::asin(z / std::numbers::sqrt2), 0.0, std::numbers::pi - 1e-4);
+  const LobeProductMoments moments = lobe_product_moments(e1, e2, alpha);
+  const Guess guess = make_guess(float(e1), float(e2), float(std::cos(alpha)), float(std::sin(alpha)));
+  const std::size_t node =
+      (std::size_t(i1) * std::size_t(n) + std::size_t(i2)) * std::size_t(table.angle_nodes) + std::size_t(j);
+  float* out = table.values.data() + node * LobeTable::channels;
+  out[0] = float(std::exp(moments.log_integral - double(guess.log_integral)));
+  out[1] = float((moments.axis_angle_rad - std::atan(double(guess.tan1))) * k);
+  out[2] = float((moments.exponent + 2) / (e1 + e2 + 2));
+}
+
+Lobe first_lobe(const LobePair& pair) { return {V3f(1, 0, 0), float(pair.e1), 1}; }
+Lobe second_lobe(const LobePair& pair) {
+  return {V3f(float(std::cos(pair.angle_rad)), float(std::sin(pair.angle_rad)), 0), float(pair.e2), 1};
+}
+
+}  // namespace
+
+std::size_t lobe_table_bytes(const LobeTableParams& params) {
+  return std::size_t(params.exponent_nodes) * std::size_t(params.exponent_nodes) * std::size_t(params.angle_nodes) *
+         LobeTable::channels * sizeof(float);
+}
+
+LobeTable make_lobe_table(const LobeTableParams& params) {
+  LobeTable table = sized(params);
+  tbb::parallel_for(0, params.exponent_nodes * params.exponent_nodes, [&](int row) {
+    for (int j = 0; j < params.angle_nodes; ++j)
+      fill_node(table, row / params.exponent_nodes, row % params.exponent_nodes, j);
+  });
+  return table;
+}
+
+LobeTable make_lobe_table_for(const LobeTableParams& params, std::span<const LobePair> pairs) {
+  LobeTable table = sized(params);
+  const auto n = std::size_t(params.exponent_nodes);
+  const auto angles = std::size_t(params.angle_nodes);
+  std::vector<std::size_t> nodes;
+  for (const LobePair& pair : pairs) {
+    const std::size_t first =
+        locate(table, float(pair.e1), float(pair.e2), angle_between(first_lobe(pair).axis, second_lobe(pair).axis).z)
+            .first;
+    for (std::size_t k = 0; k < 8; ++k)
+      nodes.push_back(first + ((k & 1U) != 0 ? n * angles : 0) + ((k & 2U) != 0 ? angles : 0) + (k >> 2U));
   }
+  std::sort(nodes.begin(), nodes.end());
+  nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+  tbb::parallel_for(std::size_t(0), nodes.size(), [&](std::size_t i) {
+    const std::size_t row = nodes[i] / angles;
+    fill_node(table, int(row / n), int(row % n), int(nodes[i] % angles));
+  });
   return table;
 }
 
@@ -186,13 +232,16 @@ Lobe lobe_product(const LobeTable& table, const Lobe& a, const Lobe& b) {
 
 namespace {
 
-// Uniform in [0, 1): SplitMix64 (Steele, Lea & Flood 2014), counted.
-double uniform(std::uint64_t seed, std::uint64_t index) {
-  std::uint64_t z = seed + (index + 1) * 0x9e3779b97f4a7c15ULL;
-  z = (z ^ (z >> 30U)) * 0xbf58476d1ce4e5b9ULL;
-  z = (z ^ (z >> 27U)) * 0x94d049bb133111ebULL;
-  return double((z ^ (z >> 31U)) >> 11U) * 0x1p-53;
+// Pair number `index`, its integral left out.
+LobePair random_pair(std::uint64_t seed, std::uint64_t index) {
+  const double span = double(last_coordinate);
+  return {std::expm1(span * counted_uniform(seed, 3 * index)) / double(exponent_slope),
+          std::expm1(span * counted_uniform(seed, 3 * index + 1)) / double(exponent_slope),
+          double(pi) * counted_uniform(seed, 3 * index + 2)};
 }
+
+double largest_integral(const LobePair& pair) { return 2 * double(pi) / (pair.e1 + pair.e2 + 1); }
+constexpr double least_share = 1e-6;  // of the largest integral: what less is left of counts for nothing
 
 struct Collector {
   std::vector<double> values;
@@ -223,20 +272,16 @@ struct Collector {
 LobeTableErrors lobe_table_errors(const LobeTable& table, std::uint64_t samples, std::uint64_t seed) {
   Collector absolute, of_largest, of_true, exponent, axis, shape;
   for (std::uint64_t i = 0; i < samples; ++i) {
-    const double span = double(last_coordinate);
-    const double e1 = std::expm1(span * uniform(seed, 3 * i)) / double(exponent_slope);
-    const double e2 = std::expm1(span * uniform(seed, 3 * i + 1)) / double(exponent_slope);
-    const double alpha = double(pi) * uniform(seed, 3 * i + 2);
+    const LobePair pair = random_pair(seed, i);
+    const auto& [e1, e2, alpha, unknown] = pair;
     const LobeProductMoments truth = lobe_product_moments(e1, e2, alpha);
-    const double largest = 2 * double(pi) / (e1 + e2 + 1);
+    const double largest = largest_integral(pair);
     const double integral = std::exp(truth.log_integral);
-    const Lobe a{V3f(1, 0, 0), float(e1), 1};
-    const Lobe b{V3f(float(std::cos(alpha)), float(std::sin(alpha)), 0), float(e2), 1};
-    const Lobe product = lobe_product(table, a, b);
+    const Lobe product = lobe_product(table, first_lobe(pair), second_lobe(pair));
     const double error = std::abs(double(lobe_integral(product)) - integral);
     absolute.add(error, e1, e2, alpha);
     of_largest.add(error / largest, e1, e2, alpha);
-    if (!(integral > 1e-6 * largest)) continue;
+    if (!(integral > least_share * largest)) continue;
     of_true.add(error / integral, e1, e2, alpha);
     exponent.add(std::abs(double(product.exponent) - truth.exponent) / (truth.exponent + 1), e1, e2, alpha);
     const double angle = std::atan2(double(product.axis.y), double(product.axis.x));
@@ -258,6 +303,25 @@ LobeTableErrors lobe_table_errors(const LobeTable& table, std::uint64_t samples,
   errors.axis = axis.finish();
   errors.shape = shape.finish();
   return errors;
+}
+
+std::vector<LobePair> make_lobe_pairs(std::uint64_t count, std::uint64_t seed) {
+  std::vector<LobePair> drawn(count);
+  tbb::parallel_for(std::uint64_t(0), count, [&](std::uint64_t i) {
+    drawn[i] = random_pair(seed, i);
+    drawn[i].integral = std::exp(lobe_product_moments(drawn[i].e1, drawn[i].e2, drawn[i].angle_rad).log_integral);
+  });
+  std::erase_if(drawn, [](const LobePair& pair) { return !(pair.integral > least_share * largest_integral(pair)); });
+  return drawn;
+}
+
+MeasuredError lobe_integral_error(const LobeTable& table, std::span<const LobePair> pairs) {
+  std::vector<double> errors;
+  for (const LobePair& pair : pairs) {
+    const double integral = double(lobe_product_integral(table, first_lobe(pair), second_lobe(pair)));
+    errors.push_back(std::abs(integral - pair.integral) / pair.integral);
+  }
+  return mean_error(errors);
 }
 
 }  // namespace ivory

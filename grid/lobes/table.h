@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "grid/base/measured_error.h"
 #include "grid/lobes/lobe.h"
 
 namespace ivory {
@@ -27,8 +29,10 @@ struct LobeTable {
   std::size_t bytes() const { return values.size() * sizeof(float); }
 };
 
-// Builds the table, some 0.7 s on one core for the default; throws ParameterError for node counts out of range.
+// Builds the table, some 0.7 s of one core for the default, on all of TBB's threads; the bits do not depend on their
+// number. Throws ParameterError for node counts out of range.
 LobeTable make_lobe_table(const LobeTableParams& params = {});
+std::size_t lobe_table_bytes(const LobeTableParams& params);
 
 // The product of a and b as one lobe. Exponents above max_lobe_exponent are read at the table's edge.
 Lobe lobe_product(const LobeTable& table, const Lobe& a, const Lobe& b);
@@ -58,5 +62,22 @@ struct LobeTableErrors {
   Distribution shape;       // L2 distance between lobe and product over the product's L2 norm
 };
 LobeTableErrors lobe_table_errors(const LobeTable& table, std::uint64_t samples, std::uint64_t seed);
+
+// Two lobes of unit scale, drawn as lobe_table_errors() does, and the exact integral of their product.
+struct LobePair {
+  double e1 = 0;
+  double e2 = 0;
+  double angle_rad = 0;
+  double integral = 0;
+};
+// Those of `count` draws whose integral is above 1e-6 of that at angle 0.
+std::vector<LobePair> make_lobe_pairs(std::uint64_t count, std::uint64_t seed);
+
+// Mean of |I' - I| / I over the pairs, I' by lobe_product_integral().
+MeasuredError lobe_integral_error(const LobeTable& table, std::span<const LobePair> pairs);
+
+// make_lobe_table() of which only those nodes are made that the products of these pairs read: to judge a table that is
+// not built.
+LobeTable make_lobe_table_for(const LobeTableParams& params, std::span<const LobePair> pairs);
 
 }  // namespace ivory

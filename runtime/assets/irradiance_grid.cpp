@@ -38,6 +38,8 @@ struct Choices {
 Choices choose(const GpuGrid& grid, const LookupParams& params) {
   if (params.guard == Guard::rays)
     throw ParameterError("guard", "the GPU has no rays to guard a grid with; planes or off");
+  if (params.interpolation == Interpolation::fitted)
+    throw ParameterError("interpolation", "the GPU reads trilinear and tricubic");
   if (!reads(params.reconstruction, grid.basis))
     throw ParameterError("reconstruction", "paper reads the basis vectors only");
   return {int(grid.basis), int(grid.form), params.guard == Guard::planes && grid.guarded ? 1 : 0,

@@ -316,10 +316,14 @@ void ivory_grid_guarded(IvoryGrid g, sampler3D volumes, sampler3D trust, usample
   int near_count = ivory_footprint_count(near);
   IvoryPassed near_passed = ivory_passed_by_guard(g, trust, guard, index, ng, near, near_count);
   IvorySeen near_seen = IvorySeen(uvec2(0u), 0.0, true);
-  if (IVORY_GRID_INTERPOLATION == ivory_trilinear)
+  if (IVORY_GRID_INTERPOLATION == ivory_trilinear) {
     near_seen = ivory_yield_near(g, trust, guard, near, near_passed);
-  else
-    near_seen = ivory_yield_wide(g, trust, guard, near, 64, near_passed, near, near_seen);
+  } else {
+    IvoryFootprint eight = ivory_make_footprint(g, index, ivory_trilinear);
+    IvoryPassed passed = ivory_passed_by_guard(g, trust, guard, index, ng, eight, 8);
+    IvorySeen witnesses = ivory_yield_near(g, trust, guard, eight, passed);
+    near_seen = ivory_yield_wide(g, trust, guard, near, 64, near_passed, eight, witnesses);
+  }
   bool enough = near_seen.kept >= ivory_grid_enough_weight;
   bool filtered = near_seen.all && enough;
   // Divided by the trust that the same filter finds: hardware rounds its weights, to the same for both.

@@ -172,7 +172,10 @@ inline LookupMargin margin(const IrradianceGrid& grid, Guard guard, const V3f& n
     }
     return std::pair(kept_footprint, kept);
   };
-  const auto near = judge(interpolation, nullptr);
+  // Of a tricubic footprint the trilinear one has the witnesses.
+  auto near = judge(guard == Guard::planes ? Interpolation::trilinear : interpolation, nullptr);
+  if (guard == Guard::planes && interpolation == Interpolation::tricubic)
+    near = judge(interpolation, near.second > 0 ? &near.first : nullptr);
   out.kept = near.second;
   if (guard == Guard::planes && near.second < 0.26F && interpolation == Interpolation::trilinear)
     out.kept = std::max(near.second, judge(Interpolation::tricubic, near.second > 0 ? &near.first : nullptr).second);

@@ -11,17 +11,20 @@
 
 #include "grid/base/anchor.h"
 #include "grid/base/error.h"
+#include "grid/base/half.h"
 #include "grid/base/memory.h"
 #include "grid/env/environment_image.h"
+#include "grid/env/irradiance.h"
 #include "grid/env/latlong_map.h"
 #include "grid/io/environment.h"
 #include "grid/io/json.h"
+#include "tools/bake/asset_contract.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/assumptions.h"
 #include "tools/input/environment.h"
 #include "tools/input/scene.h"
-#include "tracer/bake/fiv/baker.h"
+#include "tracer/bake/fiv/choose.h"
 
 namespace ivory {
 
@@ -35,7 +38,22 @@ struct BakeFivOptions {
   std::string samples = "128,65,30";
   ExrPrecision precision = ExrPrecision::float32;
   FivParams params;
+  AssetContract contract;
 };
+
+// Receivers that samples are chosen at, and others that the result is judged at.
+constexpr int pilot_receivers = 1500;
+constexpr int certificate_receivers = 2000;
+constexpr std::uint64_t pilot_seed = 1;
+constexpr std::uint64_t certificate_seed = 2;
+
+// Directions of an estimate of hidden light: an estimate's noise is at most some 5 % of E at 256, and its square, over
+// the root of the number of receivers, is to stay well below the square of the error.
+int truth_samples(const AssetContract& contract) {
+  int samples = 256;
+  for (double target = contract.target.value_or(0.01); target < 0.015 && samples < 8192; target *= 1.5) samples *= 2;
+  return samples;
+}
 
 FivParams params_of(const BakeFivOptions& options) {
   FivParams params = options.params;
@@ -44,13 +62,24 @@ FivParams params_of(const BakeFivOptions& options) {
   return params;
 }
 
+// The table, what is gathered at its samples, and, for bright lights, at eight times as many.
+double bake_bytes(const FivParams& params) {
+  const double samples = double(params.samples.x) * double(params.samples.y) * double(params.samples.z);
+  return samples * (3 * fiv_function_count(params.hemispheres) * 4 * 11 + 9 * 50);
+}
+
 void check_size(const BakeFivOptions& options, const FivParams& params) {
   const double samples = double(params.samples.x) * double(params.samples.y) * double(params.samples.z);
   const double numbers = 3 * fiv_function_count(params.hemispheres);
-  // The table, what is gathered at its samples, and, for bright lights, at eight times as many.
-  check_memory(options.output, samples * (numbers * 4 * 11 + 9 * 50), "ask for fewer --samples");
+  check_memory(options.output, bake_bytes(params), "ask for fewer --samples");
   if (samples * numbers > 2e9)
     throw UsageError("--samples: such a table would hold more than two thousand million numbers");
+}
+
+// The table as its file holds it in float16.
+FivTable rounded(FivTable table) {
+  for (float& value : table.values) value = rounded_to_half(value);
+  return table;
 }
 
 // The environment as a cube as fine as the map itself, and a multiple of the size it is merged to.
@@ -61,23 +90,74 @@ CubeMap fine_cube(const EnvironmentMap& map, int merged) {
   return cube_from_environment(map, size);
 }
 
-void run_bake_fiv(const BakeFivOptions& options, const CommonOptions& common) {
+// What the choice and the bake have come to.
+struct Baked {
+  FivTable table;
+  MeasuredError predicted;  // where something was chosen or is only planned
+};
+
+Baked bake_table(const FivOccluder& occluder, const CubeMap& cube, const BakeFivOptions& options,
+                 const FivParams& params, const FivTruth* pilot, bool hemispheres_given) {
+  if (options.contract.target) {
+    const std::vector<int> hemispheres =
+        hemispheres_given ? std::vector<int>{params.hemispheres} : std::vector<int>{1, 6};
+    FivChoice choice = choose_fiv(occluder, cube, params, *pilot, *options.contract.target, hemispheres);
+    return {std::move(choice.table), choice.predicted};
+  }
+  Baked baked{bake_fiv(occluder, cube, params), {}};
+  if (pilot != nullptr) baked.predicted = fiv_error(baked.table, *pilot);
+  return baked;
+}
+
+BakePlan make_plan(const Baked& baked, ExrPrecision precision, double seconds) {
+  BakePlan plan;
+  const V3i& size = baked.table.size;
+  plan.knobs["samples"] = fmt::format("{},{},{}", size.x, size.y, size.z);
+  plan.knobs["hemispheres"] = baked.table.hemispheres;
+  plan.seconds = within_factor(1.2 * seconds, 1.6);
+  const double numbers = double(baked.table.values.size());
+  plan.memory_bytes = within_factor(peak_memory_bytes(), 1.3);
+  const double bytes = numbers * (precision == ExrPrecision::float32 ? 4 : 2);
+  plan.file_bytes = {0.85 * bytes, 0.4 * bytes, bytes + 8192};
+  plan.error = predicted_range(baked.predicted);
+  return plan;
+}
+
+void run_bake_fiv(const BakeFivOptions& options, const Command& command, const CommonOptions& common) {
+  const AssetContract& contract = options.contract;
   FivParams params = params_of(options);
+  const bool hemispheres_given = command.get_option("--hemispheres").given();
+  if (contract.target) {
+    if (!command.get_option("--samples").given()) params.samples = most_fiv_samples;
+    if (!hemispheres_given) params.hemispheres = 6;
+  }
   check_size(options, params);
-  check_output(options.output, ".exr", common);
+  check_output(options.output, ".exr", options.contract, common);
   if (!is_scene_name(options.mesh)) throw Error(options.mesh, "is no .gltf or .glb file", "convert the mesh");
   LoadedScene loaded = load_scene(options.mesh, options.load.load);
   EnvironmentInput environment = load_environment_input(options.environment);
   loaded.warnings.insert(loaded.warnings.end(), environment.warnings.begin(), environment.warnings.end());
   print_warnings(common, loaded.warnings);
   const FivOccluder occluder = make_fiv_occluder(loaded.scene);
-  const CubeMap cube = fine_cube(to_latlong(std::move(environment.image)), params.environment_size);
+  const EnvironmentMap map = to_latlong(std::move(environment.image));
+  const CubeMap cube = fine_cube(map, params.environment_size);
 
   Progress progress(common, "baking", "directions");
   params.progress = progress.callback();
   const auto start = std::chrono::steady_clock::now();
-  FivTable table = bake_fiv(occluder, cube, params);
+  const auto trace_truth = [&](int receivers, std::uint64_t seed) {
+    const IrradianceTree tree = make_irradiance_tree({EnvironmentLayout::latlong, map});
+    return trace_fiv_truth(occluder, map, tree, {receivers, truth_samples(contract), seed});
+  };
+  std::optional<FivTruth> pilot;
+  if (contract.target || contract.dry_run) pilot = trace_truth(pilot_receivers, pilot_seed);
+  Baked baked = bake_table(occluder, cube, options, params, pilot ? &*pilot : nullptr, hemispheres_given);
+  FivTable& table = baked.table;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  if (contract.dry_run) {
+    print_plan(options.output, make_plan(baked, options.precision, seconds), contract, loaded.warnings, common);
+    return;
+  }
 
   Metadata& m = table.metadata = environment.origin;
   m["version"] = std::string(IVORY_VERSION);
@@ -98,6 +178,16 @@ void run_bake_fiv(const BakeFivOptions& options, const CommonOptions& common) {
   m["silhouette_pixels"] = std::int64_t(params.silhouette_pixels);
   m["fit"] = std::string(params.fit ? "least squares" : "none");
   m["units"] = std::string("lux");
+  std::optional<Certificate> certificate;
+  if (contract.measures()) {
+    const FivTable stored = options.precision == ExrPrecision::float32 ? table : rounded(table);
+    certificate = make_certificate(
+        fiv_error(stored, trace_truth(certificate_receivers, certificate_seed)), contract,
+        fmt::format("E at {} receivers of any normal, {:g} to {:g} bounding radii beyond planes that touch one "
+                    "occluder, against traced light; RMS ÷ mean unshadowed E",
+                    certificate_receivers, nearest_fiv_gap, farthest_fiv_gap));
+    keep_certificate(*certificate, m);
+  }
   write_fiv(options.output, table, options.precision, common.force);
 
   const std::uint64_t bytes = table.values.size() * (options.precision == ExrPrecision::float32 ? 4 : 2);
@@ -114,14 +204,16 @@ void run_bake_fiv(const BakeFivOptions& options, const CommonOptions& common) {
   result["coverage"] = shortest(table.coverage);
   result.update(to_json(table.metadata));
   result["seconds"] = seconds;
+  std::string human = fmt::format(
+      "{}: {} x {} x {} samples, {} hemisphere{}, {} of {}, {:.1f} s\n"
+      "bounding sphere of {:.4g} m around {:.4g} {:.4g} {:.4g}; spheres from {:.3g} to {:.3g} of "
+      "its radius\n",
+      options.output, table.size.x, table.size.y, table.size.z, table.hemispheres, table.hemispheres == 1 ? "" : "s",
+      format_bytes(bytes), name_of(options.precision), seconds, table.radius_m, center.x, center.y, center.z,
+      table.radii.front(), table.radii.back());
+  if (certificate) report_certificate(*certificate, result, human, loaded.warnings, common);
   result["warnings"] = loaded.warnings;
-  print_result(common, result,
-               fmt::format("{}: {} x {} x {} samples, {} hemisphere{}, {} of {}, {:.1f} s\n"
-                           "bounding sphere of {:.4g} m around {:.4g} {:.4g} {:.4g}; spheres from {:.3g} to {:.3g} of "
-                           "its radius\n",
-                           options.output, table.size.x, table.size.y, table.size.z, table.hemispheres,
-                           table.hemispheres == 1 ? "" : "s", format_bytes(bytes), name_of(options.precision), seconds,
-                           table.radius_m, center.x, center.y, center.z, table.radii.front(), table.radii.back()));
+  print_result(common, result, human);
 }
 
 }  // namespace
@@ -144,6 +236,11 @@ void add_bake_fiv_command(Command bake, CommonOptions& common) {
                   "1: one vector per colour and sample, as published; 6: the vectors of six hemispheres, four\n"
                   "times the memory, right where the occluder reaches below a receiver's plane")
       .one_of({"1", "6"});
+  add_contract_options(
+      command, options->contract,
+      "Error of E around the occluder to be reached, RMS ÷ mean unshadowed E, as 2% or 0.02",
+      "the smallest table that does is baked, of --hemispheres 1 or 6 unless that is given, and of at most\n"
+      "--samples (192,97,68 unless given)");
   command.add_choice("--precision", options->precision, "Of the file's numbers");
   command
       .add_option("--env-size", options->params.environment_size,
@@ -166,7 +263,7 @@ void add_bake_fiv_command(Command bake, CommonOptions& common) {
       "  ivory bake fiv bunny.glb --env sky.hdr -o bunny.exr --hemispheres 6\n"
       "  ivory render plaza.glb --env sky.hdr --object bunny.glb@1,0,2 --occluder bunny=bunny.exr --method fiv -o "
       "a.png");
-  set_action(command, common, Output::file, [options, &common] { run_bake_fiv(*options, common); });
+  set_action(command, common, Output::file, [options, command, &common] { run_bake_fiv(*options, command, common); });
 }
 
 }  // namespace ivory

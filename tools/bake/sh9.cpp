@@ -9,6 +9,8 @@
 
 #include "grid/base/error.h"
 #include "grid/env/irradiance.h"
+#include "grid/env/irradiance_error.h"
+#include "tools/bake/asset_contract.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/environment.h"
@@ -18,6 +20,11 @@ namespace ivory {
 namespace {
 
 constexpr int truth_size = 32;  // normals that the errors are measured at: 6 x 32 x 32
+// Random normals that order and window are chosen at, and others that the result is judged at.
+constexpr int pilot_normals = 400;
+constexpr int certificate_normals = 500;
+constexpr std::uint64_t pilot_seed = 1;
+constexpr std::uint64_t certificate_seed = 2;
 
 struct BakeSh9Options {
   EnvironmentChoice environment;
@@ -26,6 +33,7 @@ struct BakeSh9Options {
   double max_error = 0.01;
   std::string window = "none";
   Sh9Dialect dialect = Sh9Dialect::ivory;
+  AssetContract contract;
 };
 
 Sh9Window chosen_window(const std::string& text, const Sh9& sh) {
@@ -53,11 +61,54 @@ Sh9Asset make_asset(const Sh9& whole, int order, const std::string& window, cons
   return asset;
 }
 
+struct Sh9Choice {
+  int order = 2;
+  std::string window = "none";
+  MeasuredError predicted;
+};
+
+// The lowest order up to `most` that meets the error, with that of `windows` which leaves the least; where none does,
+// the best of all. Each choice depends on `target` by comparison alone, so that a tighter one never gives less.
+Sh9Choice choose_order(const Sh9& whole, const IrradianceTruth& pilot, double target, int most,
+                       const std::vector<std::string>& windows) {
+  Sh9Choice best;
+  bool first = true;
+  for (int order = 0; order <= most; ++order) {
+    for (const std::string& window : windows) {
+      const Sh9 sh = truncated(whole, order);
+      const MeasuredError error = sh9_rms_error(windowed(sh, chosen_window(window, sh)), pilot);
+      if (first || error.high < best.predicted.high) best = {order, window, error};
+      first = false;
+    }
+    if (best.predicted.high <= target) break;
+  }
+  return best;
+}
+
+BakePlan make_plan(const Sh9Choice& choice, const IrradianceTree& tree) {
+  const auto start = std::chrono::steady_clock::now();
+  make_irradiance_truth(tree, pilot_normals, pilot_seed);
+  const double each =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / double(pilot_normals);
+  BakePlan plan;
+  plan.knobs["order"] = choice.order;
+  plan.knobs["window"] = choice.window;
+  plan.seconds = within_factor(each * (cube_faces * truth_size * truth_size + certificate_normals), 2);
+  plan.memory_bytes = within_factor(peak_memory_bytes(), 1.3);
+  plan.file_bytes = within_factor(4000, 2);
+  plan.error = predicted_range(choice.predicted);
+  return plan;
+}
+
 void run_bake_sh9(const BakeSh9Options& options, const Command& command, const CommonOptions& common) {
+  const AssetContract& contract = options.contract;
   const bool automatic = options.order == "auto";
-  if (!automatic && command.get_option("--max-error").given()) throw UsageError("--max-error serves --order auto only");
+  const bool max_error_given = command.get_option("--max-error").given();
+  if (!automatic && max_error_given) throw UsageError("--max-error serves --order auto only");
+  if (contract.target && max_error_given)
+    throw UsageError("--max-error and --target-error both choose the order: give one of them");
   chosen_window(options.window, Sh9{});
-  check_output(options.output, ".json", common);
+  check_output(options.output, ".json", contract, common);
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   EnvironmentInput input = load_environment_input(options.environment);
@@ -66,15 +117,45 @@ void run_bake_sh9(const BakeSh9Options& options, const Command& command, const C
   const RadianceMoments moments = radiance_moments(input.image);
   const Sh9 whole = sh9_from_moments(moments);
   const auto projected = Clock::now();
-  const IrradianceMap truth = bake_irradiance(make_irradiance_tree(input.image), truth_size);
+  const IrradianceTree tree = make_irradiance_tree(input.image);
+  Sh9Choice choice;
+  if (contract.target) {
+    const std::vector<std::string> windows = command.get_option("--window").given()
+                                                 ? std::vector<std::string>{options.window}
+                                                 : std::vector<std::string>{"none", "auto"};
+    choice = choose_order(whole, make_irradiance_truth(tree, pilot_normals, pilot_seed), *contract.target,
+                          automatic ? 2 : std::stoi(options.order), windows);
+    if (contract.dry_run) {
+      print_plan(options.output, make_plan(choice, tree), contract, input.warnings, common);
+      return;
+    }
+  }
+  const IrradianceMap truth = bake_irradiance(tree, truth_size);
 
   Sh9Asset asset;
-  for (int order = automatic ? 0 : std::stoi(options.order); order <= 2; ++order) {
-    asset = make_asset(whole, order, options.window, truth.e, moments.total);
-    if (!automatic || asset.error.average <= options.max_error) break;
+  if (contract.target) {
+    asset = make_asset(whole, choice.order, choice.window, truth.e, moments.total);
+  } else {
+    for (int order = automatic ? 0 : std::stoi(options.order); order <= 2; ++order) {
+      asset = make_asset(whole, order, options.window, truth.e, moments.total);
+      if (!automatic || asset.error.average <= options.max_error) break;
+    }
+    choice = {asset.order, options.window, {}};
+  }
+  if (contract.dry_run) {
+    choice.predicted = sh9_rms_error(asset.sh, make_irradiance_truth(tree, pilot_normals, pilot_seed));
+    print_plan(options.output, make_plan(choice, tree), contract, input.warnings, common);
+    return;
   }
   asset.metadata = std::move(input.origin);
   asset.metadata["method"] = std::string("sh9");
+  std::optional<Certificate> certificate;
+  if (contract.measures()) {
+    certificate = make_certificate(
+        sh9_rms_error(asset.sh, sum_irradiance_truth(input.image, certificate_normals, certificate_seed)), contract,
+        irradiance_measure(certificate_normals));
+    keep_certificate(*certificate, asset.metadata);
+  }
   const V3d least = minimum_irradiance(asset.sh);
   const double least_e = std::min({least.x, least.y, least.z});
   write_sh9_dialect(options.output, asset, options.dialect, common.force);
@@ -104,16 +185,21 @@ void run_bake_sh9(const BakeSh9Options& options, const Command& command, const C
       "mean E)\n",
       100 * asset.error.average, 100 * asset.error.maximum, 100 * asset.error.average_of_mean_e(),
       100 * asset.error.maximum_of_mean_e());
-  if (automatic && asset.order < 2)
+  if (contract.target) {
+    if (certificate->error > *contract.target && asset.order == 2)
+      text += "nine coefficients are not enough, 'ivory bake difmap' keeps it all\n";
+  } else if (automatic && asset.order < 2) {
     text += fmt::format("order {} already meets --max-error {:g}\n", asset.order, options.max_error);
-  if (automatic && asset.error.average > options.max_error) {
+  } else if (automatic && asset.error.average > options.max_error) {
     text +=
         fmt::format("more than --max-error {:g}: nine coefficients are not enough, 'ivory bake difmap' keeps it all\n",
                     options.max_error);
   }
+  if (certificate) report_certificate(*certificate, result, text, input.warnings, common);
   result["warnings"] = input.warnings;
-  result["enough"] = asset.error.average <= options.max_error;
-  if (least_e < 0 && options.window == "none")
+  result["enough"] =
+      contract.target ? certificate->error <= *contract.target : asset.error.average <= options.max_error;
+  if (least_e < 0 && choice.window == "none")
     text += "the polynomial falls below zero for some normals (read as zero); --window auto smooths that away\n";
   print_result(common, result, text);
 }
@@ -139,6 +225,10 @@ void add_bake_sh9_command(Command bake, CommonOptions& common) {
                   "Against negative lobes: none, auto (the least change that keeps E from falling below zero), or the\n"
                   "width of a Hann window in bands, from 2")
       .type_name("none|auto|WIDTH");
+  add_contract_options(
+      command, options->contract, "Error of E to be reached, RMS over normals ÷ mean E, as 2% or 0.02",
+      "the lowest order that does is stored, at most --order, with the better window of none and auto unless\n"
+      "--window says which");
   command.add_choice("--dialect", options->dialect, "Who is to read it; only ivory's own is read back");
   command.footer(
       "E(n) = (n 1) M (n 1)^T in lux, with the file's matrices M for R, G and B.\n"

@@ -9,8 +9,9 @@ namespace ivory {
 
 Option add_lookup_options(Command command, LookupParams& params, const std::string& guards, const std::string& group) {
   Option guard = command.add_choice("--guard", params.guard, guards);
-  Option interpolation =
-      command.add_choice("--interpolation", params.interpolation, "Between grid vertices; tricubic is the B-spline");
+  Option interpolation = command.add_choice(
+      "--interpolation", params.interpolation,
+      "Between grid vertices; tricubic is the B-spline, fitted a linear fit read at the surface (not by the viewer)");
   Option reconstruction =
       command.add_choice("--reconstruction", params.reconstruction, "Of irradiance from the stored vectors");
   if (!group.empty()) {

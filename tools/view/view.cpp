@@ -40,6 +40,8 @@ ViewRun finished(const ViewCommand& command) {
   run.input.assets.insert(run.input.assets.end(), command.named.begin(), command.named.end());
   if (run.settings.lookup.guard == Guard::rays)
     throw UsageError("--guard rays: shaders trace no rays; planes is what the grid stores of what they would find");
+  if (run.settings.lookup.interpolation == Interpolation::fitted)
+    throw UsageError("--interpolation fitted: shaders read trilinear and tricubic; render and probe read fitted");
   run.settings.direct = !command.indirect_only;
   run.settings.constant_e_lux = Rgb(0, 0, 0);
   if (!command.constant.empty()) {

@@ -50,21 +50,42 @@ Footprint lookup_footprint(const IrradianceGrid& grid, const Intersector* inters
                            const LookupParams& params) {
   if (params.guard != Guard::rays) return lookup_footprint(grid, p, ng, params);
   assert(intersector != nullptr);
-  const float most_m = nudge_m(grid.frame, params);  // of the coarsest level
+  const bool fitted = params.interpolation == Interpolation::fitted;
+  LookupParams reach = params;
+  if (fitted) reach.nudge_voxels += 1;
+  const float t_max = 2 * nudge_m(grid.frame, reach);  // of the coarsest level
   V3f origin = offset_origin(p, ng, ng);
-  auto ahead = intersector->closest(
-      {.origin = origin, .direction = ng, .t_max = 2 * most_m, .blocking_coverage = half_coverage});
+  auto ahead =
+      intersector->closest({.origin = origin, .direction = ng, .t_max = t_max, .blocking_coverage = half_coverage});
   if (ahead && is_own_surface(intersector->scene(), *ahead, ahead->t, ng)) {
     origin = offset_origin(p, ng, ng, triangle_reach_m(intersector->scene(), ahead->instance, ahead->triangle));
-    ahead = intersector->closest(
-        {.origin = origin, .direction = ng, .t_max = 2 * most_m, .blocking_coverage = half_coverage});
+    ahead =
+        intersector->closest({.origin = origin, .direction = ng, .t_max = t_max, .blocking_coverage = half_coverage});
   }
   const LookupPoint at{.p = origin,
                        .ng = ng,
                        .nudge_voxels = params.nudge_voxels,
                        .most_m = ahead ? ahead->t / 2 : std::numeric_limits<float>::infinity()};
-  return guarded_footprint(grid, at, params.interpolation, [&](const Footprint& footprint, const Footprint* /*near*/) {
+  const auto visible = [&](const Footprint& footprint, const Footprint* /*near*/) {
     return visible_by_rays(grid, *intersector, at, footprint);
+  };
+  if (!fitted) return guarded_footprint(grid, at, params.interpolation, visible);
+  // The second reading fades where something stands in front, and counts nothing half a voxel before the first.
+  return fitted_footprint(grid, at, visible, [&](const Footprint& near) {
+    LookupPoint farther = at;
+    farther.nudge_voxels += 1;
+    FarReading out{make_footprint(grid, farther, Interpolation::trilinear), 0};
+    float apart = 0;  // voxels of the levels that are read
+    for (std::size_t i = 0; i < std::size_t(near.count); ++i) {
+      const GridFrame& level = grid.frame_of(grid.level_of(near.vertex[i]));
+      const V3f& h = level.spacing_m;
+      apart += near.weight[i] * (farther.off_m(level) - at.off_m(level)) / std::min({h.x, h.y, h.z});
+    }
+    if (apart <= 0.5F) return out;
+    const float kept =
+        restrict_footprint(grid, visible_by_rays(grid, *intersector, farther, out.footprint), out.footprint);
+    out.share = std::min(1.0F, 2 * apart - 1) * std::min(1.0F, kept / enough_weight);
+    return out;
   });
 }
 

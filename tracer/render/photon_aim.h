@@ -20,7 +20,7 @@ namespace ivory {
 
 struct PhotonAim {
   GridFrame frame;      // its cells are the box
-  float sought_lm = 0;  // strongest channel that a piece should carry; 0: not known yet, one is sent each time
+  float sought_lm = 0;  // strongest channel that a piece should carry; 0: what its photon set out with
 };
 
 // The box as seen from a point outside it: evenly chosen points of the faces that it shows. In the frame's axes.

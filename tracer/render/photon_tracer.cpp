@@ -27,12 +27,11 @@ float shading_normal_correction(const Bsdf& bsdf, const V3f& wo, const V3f& wi) 
 }
 
 // How many pieces of a photon are sent at the box: a whole number, or the odds of one. `reflected_lm` goes about evenly
-// into the half space.
-float pieces_to_send(const PhotonAim& aim, const AimedBox& box, float reflected_lm) {
-  if (!(aim.sought_lm > 0)) return 1;
-  const float pieces = reflected_lm * box.solid_angle / pi / aim.sought_lm;
-  if (pieces < 1) return std::max(pieces, PhotonWindow::least_odds);
-  return std::floor(std::min(pieces, float(PhotonWindow::most_pieces)));
+// into the half space. Without a bound below, so that what sends pieces ever again, between bright walls around the
+// box, sends fewer the less it carries, and ends: none carries more for it than the piece that scatters as ever.
+float pieces_to_send(const AimedBox& box, float reflected_lm, float sought_lm) {
+  const float pieces = reflected_lm * box.solid_angle / pi / sought_lm;
+  return pieces < 1 ? pieces : std::floor(std::min(pieces, float(PhotonWindow::most_pieces)));
 }
 
 }  // namespace
@@ -82,10 +81,18 @@ void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLed
     ledger.emitted += emitted;
     ++ledger.photons;
     if (is_black(photon.power)) continue;
+    const float sought_lm =
+        params_.aim && params_.aim->sought_lm > 0 ? params_.aim->sought_lm : max_component(photon.power);
     waiting.push_back({Ray{.origin = photon.origin, .direction = photon.direction}, photon.power, emitted, 0, 1});
 
     while (!waiting.empty()) {
-      auto [ray, power, carried, bounce, pieces] = waiting.back();
+      // By name: Clang 14 does not capture structured bindings.
+      Piece piece = waiting.back();
+      Ray& ray = piece.ray;
+      Rgb& power = piece.power;
+      std::int64_t& carried = piece.carried;
+      const int bounce = piece.bounce;
+      int& pieces = piece.pieces;
       waiting.pop_back();
       if (lit_.intersector.has_coverage()) ray.coverage_seed = random.next_u32();
       const float jitter = random.next();
@@ -106,8 +113,8 @@ void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLed
 
       int copies = 1;
       if (params_.window) {
-        const float sought_lm = params_.window->at(surface.p, surface.ng);
-        const float ratio = sought_lm > 0 ? max_component(power) / sought_lm : 1.0F;
+        const float here_lm = params_.window->at(surface.p, surface.ng);
+        const float ratio = here_lm > 0 ? max_component(power) / here_lm : 1.0F;
         if (ratio >= PhotonWindow::split_above) {
           copies = std::min(
               {int(std::min(ratio, 1000.0F)), PhotonWindow::most_pieces, PhotonWindow::most_pieces_a_photon / pieces});
@@ -133,8 +140,8 @@ void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLed
       float sent = 0;
       if (box.area_m2 > 0) {
         const Rgb reflected = power * (bsdf.diffuse_albedo + bsdf.f0);
-        sent = pieces_to_send(*params_.aim, box, max_component(reflected));
-        if (sent * float(pieces) > float(PhotonWindow::most_pieces_a_photon)) sent = PhotonWindow::least_odds;
+        sent = pieces_to_send(box, max_component(reflected), sought_lm);
+        if (sent * float(pieces) > float(PhotonWindow::most_pieces_a_photon)) sent = std::min(sent, 1.0F);
       }
       const auto go_on = [&](const V3f& wi, const Rgb& throughput, float survival, int of) {
         const Rgb on = power * throughput / survival;

@@ -275,7 +275,9 @@ TEST(FivBaker, SpheresAscendFromBesideTheMesh) {
   for (const int count : {2, 3, 30, 90}) {
     FivParams params = small_params();
     params.samples.z = count;
-    const std::vector<float> radii = fiv_radii(make_fiv_occluder(ball_scene()), coloured_cube(16), params);
+    const std::array<int, 1> counts{int(params.samples.z)};
+    const std::vector<float> radii =
+        fiv_radii(make_fiv_occluder(ball_scene()), coloured_cube(16), params, counts).front();
     ASSERT_EQ(int(radii.size()), count);
     EXPECT_GT(radii.front(), 0.8F);  // a ball fills its bounding sphere; the pilot's step is 5 %
     EXPECT_EQ(radii.back(), params.farthest);

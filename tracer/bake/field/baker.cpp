@@ -48,7 +48,7 @@ std::string text_of(const std::vector<Box3f>& boxes, const V3d& anchor) {
 }
 
 Metadata describe(const Scene& scene, const GridBakeParams& params, const Lattice& lattice, std::uint64_t photons,
-                  const SumLayout& layout, const Pilot& pilot) {
+                  const SumLayout& layout, const Pilot& pilot, const Lights::Emission& unguided) {
   Metadata m;
   m["method"] = std::string("irradiance grid");
   m["basis"] = std::string(name_of(params.basis));
@@ -83,12 +83,11 @@ Metadata describe(const Scene& scene, const GridBakeParams& params, const Lattic
     m["pilot_reach_guided"] = pilot.reach_after;
     m["pilot_cells"] = static_cast<std::int64_t>(pilot.emission.is_guided() ? pilot.emission.guide().cells() : 0);
   }
-  const Lights::Emission& emission = pilot.emission;
-  if (const std::vector<double>& radii_m = emission.discs().radii_m; !radii_m.empty()) {
+  if (const std::vector<double>& radii_m = unguided.discs().radii_m; !radii_m.empty()) {
     std::string text;
     for (const double radius_m : radii_m) text += fmt::format("{}{:.6g}", text.empty() ? "" : " ", radius_m);
     m["entry_discs_m"] = text;
-    m["photon_power_lm"] = double(emission.photon_power().strongest_lm);
+    m["photon_power_lm"] = double(unguided.photon_power().strongest_lm);
   }
   return m;
 }
@@ -385,7 +384,7 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
   result.counters = {{"ledger_emitted", ledger.emitted}, {"ledger_absorbed", ledger.absorbed},
                      {"ledger_escaped", ledger.escaped}, {"ledger_terminated", ledger.terminated},
                      {"photons_traced", ledger.photons}, {"rays_traced", ledger.rays}};
-  result.metadata = describe(scene, params, result, photons, layout, pilot);
+  result.metadata = describe(scene, params, result, photons, layout, pilot, unguided);
   result.metadata["ledger_unit_lm"] = tracer.ledger_unit_lm();
   return result;
 }

@@ -20,9 +20,10 @@
 // cell's variance goes as P E_c and the time spent in it as E_c / P; the sum of w_c P_c E_c at a given sum of E_c / P_c
 // is least for
 //
-//   P_c ~ 1 / sqrt(w_c) = sqrt(E_c^2 + (dim E)^2).
+//   P_c ~ 1 / sqrt(w_c) = sqrt(E_c^2 + (dim E)^2),
 //
-// Above the mean P_c stays what most photons carry: there the error counts beside the mean as well.
+// where dim may be less: splitting photons in the dark costs nothing elsewhere, and hangs on no single photon. Above
+// the mean P_c stays what most photons carry: there the error counts beside the mean as well.
 
 namespace ivory {
 
@@ -35,7 +36,10 @@ constexpr std::uint64_t photons_a_batch = 256;
 constexpr int longest_side = 16;  // cells
 constexpr double defensive = 0.125;
 constexpr double dim = 0.1;
-constexpr double least_power = 1.0 / 16;  // of what most photons carry
+constexpr double dim_of_window = 0.02;
+constexpr double least_power = 1.0 / 32;  // of what most photons carry
+
+constexpr int enough_steps = 32;  // in a cell, to know its E to a fifth
 
 // A step of a photon's way inside a cell.
 struct Visit {
@@ -129,17 +133,24 @@ class Scout {
   std::uint64_t done_ = 0;
 };
 
-// E in each cell and its neighbours, for the strongest channel and a receiver that faces the light: lux.
+// E in each cell, with its neighbours where few photons came to it, for the strongest channel and a receiver that faces the light: lux.
 std::vector<double> mean_e(const GridFrame& frame, const std::vector<Round>& rounds) {
   std::vector<double> sums(frame.vertex_count(), 0);
+  std::vector<int> steps(frame.vertex_count(), 0);
   double photons = 0;
   for (const Round& round : rounds) {
-    for (const Visit& v : round.visits) sums[v.cell] += double(v.power_lm) * double(v.per_m2);
+    for (const Visit& v : round.visits) {
+      sums[v.cell] += double(v.power_lm) * double(v.per_m2);
+      ++steps[v.cell];
+    }
     photons += double(round.end - round.begin);
   }
-  // A cell alone may have its E from a handful of photons.
   std::vector<double> means(sums.size(), 0);
   for (std::size_t v = 0; v < sums.size(); ++v) {
+    if (steps[v] >= enough_steps) {
+      means[v] = sums[v] / photons;
+      continue;
+    }
     const V3i at = frame.vertex_coordinates(v);
     double total = 0;
     int cells = 0;
@@ -157,13 +168,15 @@ std::vector<double> mean_e(const GridFrame& frame, const std::vector<Round>& rou
   return means;
 }
 
-// sqrt(E_c^2 + (dim E)^2) of each cell, and E, the mean over cells that light reaches; 0 where it reaches none.
+// sqrt(E_c^2 + (dim E)^2) of each cell, for the guide and for the window, and E, the mean over cells that light
+// reaches; 0 where it reaches none.
 struct Levels {
   std::vector<double> cell;
+  std::vector<double> window;
   double mean = 0;
 };
 Levels levels(const GridFrame& frame, const std::vector<Round>& rounds) {
-  Levels out{mean_e(frame, rounds), 0};
+  Levels out{mean_e(frame, rounds), {}, 0};
   double lit = 0;
   for (const double e : out.cell) {
     out.mean += e;
@@ -171,6 +184,7 @@ Levels levels(const GridFrame& frame, const std::vector<Round>& rounds) {
   }
   if (lit == 0) return out;
   out.mean /= lit;
+  for (const double e : out.cell) out.window.push_back(std::hypot(e, dim_of_window * out.mean));
   for (double& e : out.cell) e = std::hypot(e, dim * out.mean);
   return out;
 }
@@ -178,7 +192,7 @@ Levels levels(const GridFrame& frame, const std::vector<Round>& rounds) {
 PhotonWindow make_window(const GridFrame& frame, const Levels& levels, double typical_lm) {
   PhotonWindow window{frame, std::vector<float>(frame.vertex_count())};
   for (std::size_t c = 0; c < window.power_lm.size(); ++c)
-    window.power_lm[c] = float(typical_lm * std::clamp(levels.cell[c] / levels.mean, least_power, 1.0));
+    window.power_lm[c] = float(typical_lm * std::clamp(levels.window[c] / levels.mean, least_power, 1.0));
   return window;
 }
 

@@ -25,7 +25,8 @@ constexpr double even_share = 0.15;
 
 }  // namespace
 
-std::vector<float> fiv_radii(const FivOccluder& occluder, const CubeMap& environment, const FivParams& params) {
+std::vector<std::vector<float>> fiv_radii(const FivOccluder& occluder, const CubeMap& environment,
+                                          const FivParams& params, std::span<const int> counts) {
   const Intersector object(occluder.scene);
   const FivDirections directions = make_fiv_pilot_directions(environment, pilot_environment);
   std::vector<float> pilot;
@@ -78,16 +79,20 @@ std::vector<float> fiv_radii(const FivOccluder& occluder, const CubeMap& environ
     until[std::size_t(k)] = until[std::size_t(k - 1)] + (mean > 0 ? (1 - even_share) * here / mean : 0) +
                             even_share * std::min(1.0, double(pilot[std::size_t(k)]));
   }
-  std::vector<float> radii;
-  for (int j = 0; j < params.samples.z; ++j) {
-    const double target = until.back() * j / (params.samples.z - 1);
-    const auto above = std::lower_bound(until.begin() + first + 1, until.end() - 1, target) - until.begin();
-    const auto high = std::size_t(above);
-    const double t = (target - until[high - 1]) / (until[high] - until[high - 1]);
-    radii.push_back(float(double(pilot[high - 1]) * std::exp(step * t)));
+  std::vector<std::vector<float>> lists;
+  for (const int count : counts) {
+    std::vector<float> radii;
+    for (int j = 0; j < count; ++j) {
+      const double target = until.back() * j / (count - 1);
+      const auto above = std::lower_bound(until.begin() + first + 1, until.end() - 1, target) - until.begin();
+      const auto high = std::size_t(above);
+      const double t = (target - until[high - 1]) / (until[high] - until[high - 1]);
+      radii.push_back(float(double(pilot[high - 1]) * std::exp(step * t)));
+    }
+    radii.back() = params.farthest;
+    lists.push_back(std::move(radii));
   }
-  radii.back() = params.farthest;
-  return radii;
+  return lists;
 }
 
 }  // namespace ivory
