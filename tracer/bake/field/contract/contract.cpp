@@ -119,6 +119,7 @@ class Planner {
       if (spacing_of(chosen) * far >= 2 * spacing_m) break;
       if (pilot_seconds(2 * layers) > worth * chosen_.seconds) break;
       pilot(layers *= 2);
+      if (stalls()) stop_refining();
       choose();
     }
     return describe();
@@ -195,6 +196,22 @@ class Planner {
     path_seconds_ = seconds_since(start) / (double(points_.size()) * paths + double(few.lit.size()) * trial_paths);
     constexpr double certificate_points = 1024;
     certificate_paths_ = certificate_points * std::clamp(best, 64.0, 32e6 / certificate_points);
+  }
+
+  // Do two halvings take less than a tenth off the bias each? Then something else than the spacing makes it, and finer
+  // vertices would only cost.
+  bool stalls() const {
+    constexpr double worth = 0.9;
+    const std::size_t n = pilots_.size();
+    return n >= 3 && pilots_[n - 1].bias > worth * pilots_[n - 2].bias &&
+           pilots_[n - 2].bias > worth * pilots_[n - 3].bias;
+  }
+
+  void stop_refining() {
+    if (candidates_.size() == 1) return;
+    const double finest = 0.99 * pilots_.back().spacing_m;
+    std::erase_if(candidates_, [&](const Candidate& c) { return spacing_of(c.finest()) < finest; });
+    limited_by_ = "an error that does not fall with the spacing";
   }
 
   // Spacings a quarter of an octave apart, from the first pilot's down to what memory holds; the one that is given,
