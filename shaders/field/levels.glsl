@@ -1,12 +1,13 @@
 // Grids of several spacings: where a vertex's texel lies, and how much a look-up reads of each level. Twin of
-// grid/field/lattice.h and of level_shares() in grid/field/irradiance_grid.cpp. Included by field/irradiance_grid.glsl,
-// which declares IvoryGrid.
+// grid/field/lattice.h and of level_shares() in grid/field/irradiance_grid.cpp.
 //
 // All levels' vertices stand in bricks of 4 x 4 x 4 texels of one atlas, in which the brick of number `slot` is (slot %
 // 2^x, slot / 2^x % 2^y, slot / 2^(x + y)), x, y and x + y being g.atlas_bits. Behind the guard records, from slice
 // g.table_slice on, the guard's texture holds a table a level, four entries a texel: a brick's slot, or ivory_no_brick.
 //
 // Level l of g describes that level alone: g.origin_m, g.spacing_m, g.size, g.nudge_m, g.bricks and g.table are its own.
+#include "field/grid.glsl"
+
 const uint ivory_no_brick = 0xffffffffu;
 
 IvoryGrid ivory_grid_level(IvoryGrid g, int level) {
