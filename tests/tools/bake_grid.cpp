@@ -121,7 +121,7 @@ INSTANTIATE_TEST_SUITE_P(Options, BakeBytes,
 // Fine near surfaces, coarse in the open: what the result, the file and look-ups say of it.
 TEST(BakeGrid, LevelsStandSideBySide) {
   const auto folder = scratch_folder("levels");
-  const std::string bake = "bake grid " + scene + " --voxel-size 0.15 --photons 20k -q -f --json -o ";
+  const std::string bake = "bake grid " + scene + " --voxel-size 0.1 --photons 20k -q -f --json -o ";
   const Json uniform = Json::parse(ivory(folder, bake + "a.vdb").out);
   const Outcome outcome = ivory(folder, bake + "b.vdb --levels 3");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
@@ -130,15 +130,15 @@ TEST(BakeGrid, LevelsStandSideBySide) {
   ASSERT_EQ(levels["levels"].size(), 3);
   int vertices = 0;
   for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_NEAR(levels["levels"][i]["spacing_m"][0].get<double>(), 0.6 / (1 << i), 1e-6);
+    EXPECT_NEAR(levels["levels"][i]["spacing_m"][0].get<double>(), 0.4 / (1 << i), 1e-6);
     vertices += levels["levels"][i]["vertices"].get<int>();
   }
   EXPECT_EQ(vertices, levels["vertices"].get<int>());
-  EXPECT_NEAR(levels["spacing_m"][0].get<double>(), 0.15, 1e-6);
+  EXPECT_NEAR(levels["spacing_m"][0].get<double>(), 0.1, 1e-6);
   const Json info = Json::parse(ivory(folder, "info b.vdb --json").out);
   EXPECT_EQ(info["levels"], 3);
   EXPECT_EQ(info["active_vertices"], levels["vertices_stored"]);
-  EXPECT_EQ(info["level_spacings_m"], "0.6 0.3 0.15");
+  EXPECT_EQ(info["level_spacings_m"], "0.4 0.2 0.1");
   EXPECT_FALSE(uniform.contains("levels"));
   EXPECT_FALSE(Json::parse(ivory(folder, "info a.vdb --json").out).contains("levels"));
   for (const std::string& guard : {std::string(), std::string(" --guard off"), " --scene " + scene}) {

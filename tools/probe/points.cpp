@@ -39,6 +39,7 @@ void run_points(const PointsOptions& options, const CommonOptions& common) {
   if (input.lit.lights.empty())
     throw Error(options.scene, "nothing in it shines", "add a light, an emissive material or an environment");
   GridBakeParams bake;
+  bake.resolution = V3i(64, 64, 64);  // tiles the box, which cubic voxels would overlap
   if (options.bounds)
     bake.bounds = {to_local(options.bounds->min, scene.anchor_m), to_local(options.bounds->max, scene.anchor_m)};
   const Domain domain(scene,
