@@ -1,7 +1,6 @@
 #include "tracer/bake/field/baker.h"
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <mutex>
 
@@ -11,22 +10,18 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
-#include "grid/base/anchor.h"
 #include "grid/base/error.h"
-#include "grid/base/memory.h"
 #include "tracer/bake/field/guard_fit.h"
 #include "tracer/bake/field/kept_vertices.h"
 #include "tracer/bake/field/lit_vertices.h"
 #include "tracer/bake/field/photon_deposit.h"
 #include "tracer/bake/field/pilot.h"
-#include "tracer/bake/field/scene_lattice.h"
 #include "tracer/bake/field/vertex_visibility.h"
 #include "tracer/render/photon_tracer.h"
 
 namespace ivory {
 namespace {
 
-constexpr int default_long_side = 32;
 constexpr std::uint64_t default_photons_a_vertex = 256;
 constexpr std::uint64_t least_default_photons = 1'000'000;
 constexpr std::uint64_t scout_photons_a_vertex = 4;
@@ -92,190 +87,7 @@ Metadata describe(const Scene& scene, const GridBakeParams& params, const Lattic
   return m;
 }
 
-// Rows are the grid's axes in the world.
-M33f axes_turned_about_y(float degrees) {
-  M33f axes;
-  if (degrees == 0) return axes;
-  const double a = double(degrees) * double(pi) / 180;
-  axes[0][0] = axes[2][2] = float(std::cos(a));
-  axes[2][0] = float(std::sin(a));
-  axes[0][2] = -axes[2][0];
-  return axes;
-}
-
-// Along the axes that are the rows of `axes`.
-Box3f bounds_along(const Scene& scene, const M33f& axes) {
-  Box3f box;
-  const M33f to_axes = axes.transposed();
-  for (const Instance& instance : scene.instances) {
-    for (const V3f& p : scene.meshes[std::size_t(instance.mesh)].positions)
-      box.extendBy((p * instance.to_world) * to_axes);
-  }
-  return box;
-}
-
 }  // namespace
-
-namespace {
-
-// What levels of bricks can tile.
-V3i whole_bricks(V3i size, int levels) {
-  if (levels <= 1) return size;
-  if (levels > max_levels) throw ParameterError("levels", fmt::format("there may be 1 to {} of them", max_levels));
-  const int multiple = 1 << levels;
-  for (int axis = 0; axis < 3; ++axis) size[axis] = (size[axis] + multiple - 1) / multiple * multiple;
-  return size;
-}
-
-}  // namespace
-
-GridFrame default_frame(const Scene& scene, const GridBakeParams& params) {
-  GridFrame frame;
-  frame.local_to_world = axes_turned_about_y(params.rotate_y_deg);
-  const bool turned = params.rotate_y_deg != 0;
-  const Box3f box = params.bounds ? *params.bounds : turned ? bounds_along(scene, frame.local_to_world) : bounds(scene);
-  if (box.isEmpty() || !(box.size().length() > 0))
-    throw Error(scene.name, "has no surfaces to place a grid around", "check that the scene's nodes hold meshes");
-  // Bounds by hand are turned about their middle, those found along the axes are there already.
-  const V3f middle = params.bounds ? box.center() : frame.direction_to_world(box.center());
-  V3f extent = box.size();
-  const float longest = std::max({extent.x, extent.y, extent.z});
-  constexpr float flat_share = 0.05F;
-  for (unsigned axis = 0; axis < 3; ++axis) extent[axis] = std::max(extent[axis], longest * flat_share);
-
-  if (params.resolution) {
-    frame.size = *params.resolution;
-    if (frame.size.x < 2 || frame.size.y < 2 || frame.size.z < 2)
-      throw ParameterError("resolution", "a grid needs at least 2 vertices along each axis");
-    frame.size = whole_bricks(frame.size, params.levels);
-    frame.spacing_m = extent / V3f(frame.size);
-  } else {
-    const float voxel = params.voxel_size_m.value_or(longest / default_long_side);
-    if (!(voxel > 0) || !std::isfinite(voxel))
-      throw ParameterError("voxel_size", "it must be a positive number of metres");
-    for (unsigned axis = 0; axis < 3; ++axis) {
-      // A hair less than one voxel over does not call for another layer of vertices.
-      const double count = std::max(2.0, std::ceil(double(extent[axis]) / voxel - 1e-3));
-      if (count > 32768) {
-        throw ParameterError(
-            "voxel_size",
-            fmt::format("{:.4g} m makes {:.0f} vertices along {:.4g} m, and 32768 may stand along an axis", voxel,
-                        count, extent[axis]));
-      }
-      frame.size[axis] = static_cast<int>(count);
-    }
-    frame.size = whole_bricks(frame.size, params.levels);
-    frame.spacing_m = V3f(voxel, voxel, voxel);
-  }
-  // Those of a level of bricks are not all stored, and their bricks are what is numbered.
-  const double numbered = double(frame.vertex_count()) / (params.levels > 1 ? brick_vertices : 1);
-  if (std::max({frame.size.x, frame.size.y, frame.size.z}) > 32768 || numbered > 0x1p31) {
-    throw ParameterError(params.resolution ? "resolution" : "voxel_size",
-                         fmt::format("{}x{}x{} are {:.3g} vertices over {:.4g} x {:.4g} x {:.4g} m, more than the 2^31 "
-                                     "that a grid may have",
-                                     frame.size.x, frame.size.y, frame.size.z, double(frame.vertex_count()), extent.x,
-                                     extent.y, extent.z));
-  }
-  frame.origin_m = middle - frame.direction_to_world((V3f(frame.size) - V3f(1, 1, 1)) * frame.spacing_m * 0.5F);
-  return frame;
-}
-
-std::optional<EmissionTarget> emission_target(const GridFrame& frame, const GridBakeParams& params) {
-  if (params.emission == EmissionMode::even) return std::nullopt;
-  const V3f size = V3f(frame.size);
-  return EmissionTarget{frame.to_world((size - V3f(1, 1, 1)) * 0.5F), (size * frame.spacing_m).length() * 0.5F,
-                        params.include_direct};
-}
-
-namespace {
-
-struct BakeMemory {
-  double shared = 0;  // by all threads
-  double own = 0;     // of each
-  double limit = 0;
-};
-
-// What the threads share: sums, the grid, and the tables of bricks. Each adds to its own, 4 bytes a lane, twice where
-// photons of weak lights have sums of a finer unit, and all sums are there once more while they are sorted; unless
-// there are so many that the threads share them.
-BakeMemory bake_memory(const Lattice& lattice, const GridBakeParams& params, int fine_bits) {
-  const auto vertices = double(lattice.vertex_count());
-  const SumLayout layout = sum_layout(params.basis, params.estimator);
-  const double sums = vertices * layout.stride();
-  const bool own = choose_buffers(lattice.vertex_count(), layout, fine_bits) == DepositBuffers::own;
-  const double shared = sums * (own ? 16 : 8) + vertices * (double(function_count(params.basis)) * 12 + 64) +
-                        table_bytes(lattice.frame, lattice.levels());
-  return {shared, own ? sums * (fine_bits != 0 ? 8 : 4) : 0, memory_limit_bytes(params)};
-}
-
-constexpr double gib = 1024.0 * 1024 * 1024;
-
-void check(const std::string& scene, const Lattice& lattice, const GridBakeParams& params, const BakeMemory& memory) {
-  const double needed = memory.shared + memory.own;
-  if (needed <= memory.limit) return;
-  const GridFrame& frame = lattice.finest_frame();
-  const std::string coarser = params.resolution
-                                  ? "for a lower resolution"
-                                  : fmt::format("for a voxel size of {:.2g} m",
-                                                1.05 * double(frame.spacing_m.x) * std::cbrt(needed / memory.limit));
-  if (lattice.levels() > 1) {
-    throw Error(scene,
-                fmt::format("a grid of {:.3g} vertices on {} levels, {:.4g} m apart on the finest, needs {:.1f} GiB to "
-                            "bake and {:.1f} GiB may be used",
-                            double(lattice.vertex_count()), lattice.levels(), frame.spacing_m.x, needed / gib,
-                            memory.limit / gib),
-                "ask " + coarser + ", or for a part of the scene");
-  }
-  throw Error(
-      scene,
-      fmt::format("a grid of {}x{}x{} = {:.3g} vertices, {:.4g} m apart, needs {:.1f} GiB to bake and {:.1f} GiB "
-                  "may be used",
-                  frame.size.x, frame.size.y, frame.size.z, double(frame.vertex_count()), frame.spacing_m.x,
-                  needed / gib, memory.limit / gib),
-      "ask " + coarser + ", or for a part of the scene");
-}
-
-}  // namespace
-
-double memory_limit_bytes(const GridBakeParams& params) {
-  return params.max_memory_bytes != 0 ? double(params.max_memory_bytes) : 0.75 * available_memory_bytes();
-}
-
-double grid_memory_bytes(const Lattice& lattice, const GridBakeParams& params, int threads) {
-  const BakeMemory memory = bake_memory(lattice, params, max_fine_bits);
-  return memory.shared + memory.own * threads;
-}
-
-Lattice default_lattice(const Scene& scene, const GridBakeParams& params) {
-  const GridFrame frame = params.frame ? *params.frame : default_frame(scene, params);
-  if (params.levels == 1) return frame;
-  const double bytes = table_bytes(coarser_frame(frame, params.levels - 1), params.levels);
-  if (bytes > memory_limit_bytes(params)) {
-    throw Error(
-        scene.name,
-        fmt::format("the tables of a grid whose finest level has {}x{}x{} vertices, {:.4g} m apart, need {:.1f} "
-                    "GiB and {:.1f} GiB may be used",
-                    frame.size.x, frame.size.y, frame.size.z, frame.spacing_m.x, bytes / gib,
-                    memory_limit_bytes(params) / gib),
-        "ask for larger voxels, or for a part of the scene");
-  }
-  SceneLatticeParams lattice;
-  lattice.levels = params.levels;
-  if (params.dynamic_regions) lattice.dynamic_regions = *params.dynamic_regions;
-  return make_scene_lattice(scene, frame, lattice);
-}
-
-void check_grid_memory(const Scene& scene, const Lattice& lattice, const GridBakeParams& params) {
-  check(scene.name, lattice, params, bake_memory(lattice, params, 0));
-}
-
-int affordable_threads(const LitScene& lit, const Lattice& lattice, const GridBakeParams& params) {
-  const int threads = params.threads > 0 ? params.threads : tbb::this_task_arena::max_concurrency();
-  const Lights::PhotonPower power = lit.lights.emission(emission_target(lattice.finest_frame(), params)).photon_power();
-  const BakeMemory memory = bake_memory(lattice, params, fine_bits(power));
-  check(lit.scene->name, lattice, params, memory);
-  return memory.own == 0 ? threads : int(std::min(double(threads), (memory.limit - memory.shared) / memory.own));
-}
 
 GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params) {
   const Scene& scene = *lit.scene;

@@ -1,4 +1,5 @@
-// A deposit as integers: its rounding, and adding it to a thread's 32-bit sums. Private to the depositor.
+// A deposit as integers: its rounding, and adding it to a thread's 32-bit sums or to the 64-bit ones that all share.
+// Private to the depositor.
 //
 // Where lights of very different power shine, deposits too small for the coarse unit are counted in quanta
 // instead, 2^fine_bits times smaller, and rounded at random: x becomes floor(x) + 1 with probability x - floor(x) and
@@ -7,10 +8,13 @@
 // are hashed from the segment itself, whose jitter is uniform and which no batch or thread changes.
 #pragma once
 
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
+#include <thread>
 
 #include "tracer/render/photon_tracer.h"
 
@@ -75,6 +79,25 @@ inline bool add(std::int32_t* sums, const std::int32_t* values) {
     any |= static_cast<std::uint32_t>(sums[i]) + limit;
   }
   return (any >> 31U) != 0;
+}
+
+inline void atomic_add(std::int64_t& target, std::int64_t value) {
+  std::atomic_ref<std::int64_t>(target).fetch_add(value, std::memory_order_relaxed);
+}
+
+// The first lane of a slot stands for its lock: `taken` while a thread holds it, which no sum comes to (add_wide()).
+inline constexpr std::int64_t taken = std::numeric_limits<std::int64_t>::min();
+
+inline std::int64_t take(std::int64_t& first_lane) {
+  for (int tries = 0;; ++tries) {
+    const std::int64_t sum = std::atomic_ref<std::int64_t>(first_lane).exchange(taken, std::memory_order_acquire);
+    if (sum != taken) return sum;
+    if (tries > 100) std::this_thread::yield();  // its holder may have been put to sleep
+  }
+}
+
+inline void put_back(std::int64_t& first_lane, std::int64_t sum) {
+  std::atomic_ref<std::int64_t>(first_lane).store(sum, std::memory_order_release);
 }
 
 }  // namespace ivory

@@ -1,11 +1,9 @@
 #include "tracer/bake/field/photon_deposit.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cassert>
 #include <cmath>
 #include <limits>
-#include <thread>
 
 #include "tracer/bake/field/deposit_units.h"
 
@@ -29,25 +27,6 @@
 
 namespace ivory {
 namespace {
-
-void atomic_add(std::int64_t& target, std::int64_t value) {
-  std::atomic_ref<std::int64_t>(target).fetch_add(value, std::memory_order_relaxed);
-}
-
-// The first lane of a slot stands for its lock: `taken` while a thread holds it, which no sum comes to (add_wide()).
-constexpr std::int64_t taken = std::numeric_limits<std::int64_t>::min();
-
-std::int64_t take(std::int64_t& first_lane) {
-  for (int tries = 0;; ++tries) {
-    const std::int64_t sum = std::atomic_ref<std::int64_t>(first_lane).exchange(taken, std::memory_order_acquire);
-    if (sum != taken) return sum;
-    if (tries > 100) std::this_thread::yield();  // its holder may have been put to sleep
-  }
-}
-
-void put_back(std::int64_t& first_lane, std::int64_t sum) {
-  std::atomic_ref<std::int64_t>(first_lane).store(sum, std::memory_order_release);
-}
 
 // Subcell bit within a cell, from a position in quarters of a voxel.
 unsigned subcell(int x, int y, int z) { return static_cast<unsigned>(((z & 3) << 4) | ((y & 3) << 2) | (x & 3)); }
