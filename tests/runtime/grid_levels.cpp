@@ -118,7 +118,8 @@ TEST_P(RuntimeGridLevels, ReadAsTheCpuDoes) {
                           Kind{Basis::vectors, GridForm::norms_and_directions, false}}) {
     // Odd numbers of coarsest vertices do not fill their blocks; sizes differ along the axes.
     ++seed;
-    const Lattice lattice = random_lattice(V3i(6, 4, 10), 2 + int(seed % 3), seed % 3 == 0 ? 0.2 : 0.03, seed, seed % 2 == 0);
+    const Lattice lattice =
+        random_lattice(V3i(6, 4, 10), 2 + int(seed % 3), seed % 3 == 0 ? 0.2 : 0.03, seed, seed % 2 == 0);
     std::mt19937 random(seed);
     const IrradianceGrid grid = random_grid_on(lattice, kind.basis, false, random);
     const GpuGrid gpu = upload(grid, {kind.form});

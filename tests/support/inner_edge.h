@@ -8,9 +8,9 @@
 namespace ivory {
 
 // The room is x > 0.3, y > 0.3 m and has light of 1 lux for every normal. Vertices stand 1 m apart: those at x = 0 or
-// y = 0 outside, where E is outside_lux. Planes keep those at x = 0 from the room, but for the ones at x = y = 0, behind
-// the edge: no plane that goes by the room cuts off what they see outside of it, and so they have none. Those at y = 0
-// have them where they are lit.
+// y = 0 outside, where E is outside_lux. Planes keep those at x = 0 from the room, but for the ones at x = y = 0,
+// behind the edge: no plane that goes by the room cuts off what they see outside of it, and so they have none. Those at
+// y = 0 have them where they are lit.
 inline IrradianceGrid inner_edge(float outside_lux) {
   IrradianceGrid grid;
   grid.frame.size = V3i(4, 4, 4);

@@ -56,7 +56,9 @@ DepositTarget make_deposit_target(const Lattice& lattice, Basis basis, Estimator
   return target;
 }
 
-int fine_bits(const Lights::PhotonPower& power) { return power.weakest_lm < 0x1p-6F * power.strongest_lm ? max_fine_bits : 0; }
+int fine_bits(const Lights::PhotonPower& power) {
+  return power.weakest_lm < 0x1p-6F * power.strongest_lm ? max_fine_bits : 0;
+}
 
 GridAccumulator to_accumulator(DepositTarget target) {
   GridAccumulator out;

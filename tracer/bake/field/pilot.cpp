@@ -133,7 +133,8 @@ class Scout {
   std::uint64_t done_ = 0;
 };
 
-// E in each cell, with its neighbours where few photons came to it, for the strongest channel and a receiver that faces the light: lux.
+// E in each cell, with its neighbours where few photons came to it, for the strongest channel and a receiver that faces
+// the light: lux.
 std::vector<double> mean_e(const GridFrame& frame, const std::vector<Round>& rounds) {
   std::vector<double> sums(frame.vertex_count(), 0);
   std::vector<int> steps(frame.vertex_count(), 0);
