@@ -86,6 +86,7 @@ struct LookupBenchOptions {
   SceneOptions load;
   std::string resolution = "32,32,32";
   std::uint64_t photons = 1'000'000;
+  int levels = 1;
   bool tricubic = false;
 };
 
@@ -94,6 +95,7 @@ void run_lookup(const LookupBenchOptions& options, const CommonOptions& common) 
   GridBakeParams bake;
   bake.resolution = parse_size3("--resolution", options.resolution, 2);
   bake.photons = options.photons;
+  bake.levels = options.levels;
   bake.threads = thread_count(common);
   const IrradianceGrid grid = resolve(bake_grid_sums(lit, bake));
   LookupParams lookup;
@@ -121,6 +123,7 @@ void add_lookup_bench(Command bench, CommonOptions& common) {
   command.add_count("--photons", options->photons, "Photons of the bake");
   add_scene_options(command, options->load);
   command.add_flag("--tricubic", options->tricubic, "Tricubic instead of trilinear");
+  command.add_count("--levels", options->levels, 1, max_levels, "Levels of spacing, as of ivory bake grid");
   command.footer("Example:\n  ivory bench lookup scenes/cornell_box.gltf");
   set_action(command, common, Output::none, [options, &common] { run_lookup(*options, common); });
 }

@@ -73,7 +73,7 @@ LookupBench bench_lookup(const IrradianceGrid& grid, const Intersector& intersec
   bench.off_ns = look_up(Guard::off);
   bench.planes_ns = look_up(Guard::planes);
   bench.rays_ns = look_up(Guard::rays);
-  const float voxel_m = grid.frame.spacing_m.x;
+  const float voxel_m = grid.finest_frame().spacing_m.x;
   bench.occlusion_ray_ns = median_ns(rounds, points.size(), [&] {
     for (std::size_t i = 0; i < points.size(); ++i)
       results[i].x = intersector.transmittance(

@@ -61,7 +61,7 @@ TEST(SceneLattice, BricksAreThoseNearSurfaces) {
     return bricks;
   };
   std::set<std::array<int, 3>> found;
-  for (const V3i& b : bricks_near_surfaces(scene, frame, reach).list()) found.insert({b.x, b.y, b.z});
+  for (const V3i& b : bricks_near_surfaces(scene, frame, reach)) found.insert({b.x, b.y, b.z});
   const auto least = reached(reach - 1e-3F);
   // No triangle's point is farther than 0.04 m, 0.2 voxels, from one of these along an axis.
   const auto most = reached(reach + 0.25F);

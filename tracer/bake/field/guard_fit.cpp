@@ -166,8 +166,8 @@ std::vector<GuardRecord> fit_guard(const Intersector& intersector, const Lattice
                                    const std::vector<float>& visible_fraction, const std::vector<bool>& lit,
                                    const GuardFitParams& params) {
   std::vector<GuardRecord> records(lattice.vertex_count());
-  // Elsewhere nothing is hidden: a voxel's support, and a quarter more for rounding.
-  const std::vector<BrickMarks> near = bricks_near_surfaces(intersector.scene(), lattice, 1.25F);
+  // Elsewhere nothing is hidden: a voxel's support, and a tenth more for rounding.
+  const std::vector<NearVertices> near = vertices_near_surfaces(intersector.scene(), lattice, 1.1F);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, records.size(), 64), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v) {
       if (visible_fraction[v] <= 0) continue;

@@ -94,7 +94,14 @@ GridFrame default_frame(const Scene& scene, const GridBakeParams& params) {
                                      frame.size.x, frame.size.y, frame.size.z, double(frame.vertex_count()), extent.x,
                                      extent.y, extent.z));
   }
-  frame.origin_m = middle - frame.direction_to_world((V3f(frame.size) - V3f(1, 1, 1)) * frame.spacing_m * 0.5F);
+  V3f low = (V3f(frame.size) - V3f(1, 1, 1)) * frame.spacing_m * -0.5F;  // of the first vertex, from the middle
+  if (params.levels > 1) {
+    // What whole bricks stick out by goes to the far sides, but for a voxel: floors and grounds, which lie at the near
+    // side along y, then stand clear of the border between two bricks and need one layer of them.
+    const V3f over = V3f(frame.size) * frame.spacing_m - extent;
+    for (unsigned axis = 0; axis < 3; ++axis) low[axis] += std::max(0.0F, over[axis] * 0.5F - frame.spacing_m[axis]);
+  }
+  frame.origin_m = middle + frame.direction_to_world(low);
   return frame;
 }
 

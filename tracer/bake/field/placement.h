@@ -12,7 +12,7 @@ namespace ivory {
 // about their centre, by cubic voxels. Flat sides get a twentieth of the longest. A turn by rotate_y_deg takes world +Z
 // towards +X. Throws Error for a scene without extent, and ParameterError for a resolution or voxel size that is below
 // 2 vertices an axis, not finite, or too fine to number the vertices. With several levels it is the finest one's frame,
-// its sides rounded up to multiples of 2^levels vertices.
+// its sides rounded up to multiples of 2^levels vertices, mostly at the far ends.
 GridFrame default_frame(const Scene& scene, const GridBakeParams& params);
 
 // params.frame, or default_frame(), as the finest of params.levels levels: make_scene_lattice(), finest in

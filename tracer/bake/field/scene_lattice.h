@@ -13,32 +13,34 @@ namespace ivory {
 struct SceneLatticeParams {
   int levels = 3;  // 1: uniform
   // A brick is stored in the finest level where a surface comes within this many of its voxels, along each axis. A
-  // trilinear look-up a quarter of a voxel off its surface reads vertices at most a voxel from there, which this keeps
-  // for surfaces in any place of their cells.
-  float reach_voxels = 1.5F;
+  // trilinear look-up a quarter of a voxel off its surface reads a brick's neighbour where it lies less than half a
+  // voxel from their border: within three quarters of one, as far as the surface may then be, all vertices are kept.
+  float reach_voxels = 0.8F;
   std::vector<Box3f> dynamic_regions;  // boxes of the scene in which objects move: finest there, too
 };
 
-// A byte for each brick of a level: 4 x 4 x 4 of its vertices' cells, fewer at the far sides of a frame whose sizes are
-// no multiples of 4.
-struct BrickMarks {
-  V3i bricks{0, 0, 0};
-  std::vector<std::uint8_t> marked;  // [brick], x fastest
+// The bricks of `level` (each 4 x 4 x 4 of its vertices' cells, fewer at the far sides of a frame whose sizes are no
+// multiples of 4) that a triangle of the scene comes within reach_voxels of, along each axis; in order.
+std::vector<V3i> bricks_near_surfaces(const Scene& scene, const GridFrame& level, float reach_voxels);
 
-  explicit BrickMarks(const GridFrame& level);
-  std::size_t index(const V3i& brick) const {
-    return (std::size_t(brick.z) * std::size_t(bricks.y) + std::size_t(brick.y)) * std::size_t(bricks.x) +
-           std::size_t(brick.x);
+// The vertices of a level whose own point a triangle comes within reach_voxels of, along each axis. Around the others
+// nothing hides anything within so many voxels.
+class NearVertices {
+ public:
+  NearVertices(const Scene& scene, const GridFrame& level, float reach_voxels);
+  bool holds(const V3i& vertex) const {
+    const std::size_t brick =
+        (std::size_t(vertex.z >> 2) * std::size_t(bricks_.y) + std::size_t(vertex.y >> 2)) * std::size_t(bricks_.x) +
+        std::size_t(vertex.x >> 2);
+    return (marks_[brick] >> BrickLevel::within_brick(vertex) & 1U) != 0;
   }
-  bool holds(const V3i& vertex) const { return marked[index({vertex.x >> 2, vertex.y >> 2, vertex.z >> 2})] != 0; }
-  std::vector<V3i> list() const;  // the marked bricks, in order
-};
 
-// The bricks of `level` that a triangle of the scene comes within reach_voxels of, along each axis.
-BrickMarks bricks_near_surfaces(const Scene& scene, const GridFrame& level, float reach_voxels);
-// The same of each level of a lattice. Around vertices that are not in these, within so many voxels along each axis,
-// nothing hides anything.
-std::vector<BrickMarks> bricks_near_surfaces(const Scene& scene, const Lattice& lattice, float reach_voxels);
+ private:
+  V3i bricks_;
+  std::vector<std::uint64_t> marks_;  // [brick] a bit a vertex
+};
+// Of each level.
+std::vector<NearVertices> vertices_near_surfaces(const Scene& scene, const Lattice& lattice, float reach_voxels);
 
 // The bricks of `level` that touch a box of the scene; conservative where the frame is turned.
 std::vector<V3i> bricks_in_boxes(const std::vector<Box3f>& boxes, const GridFrame& level);

@@ -68,7 +68,7 @@ std::vector<std::uint64_t> vertex_cell_masks(const Intersector& intersector, con
   std::vector<std::uint64_t> masks(lattice.vertex_count(), ~std::uint64_t(0));
   if (intersector.radius_m() == 0) return masks;
   // In the open, cells are seen whole.
-  const std::vector<BrickMarks> near = bricks_near_surfaces(intersector.scene(), lattice, 0.75F);
+  const std::vector<NearVertices> near = vertices_near_surfaces(intersector.scene(), lattice, 0.6F);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, masks.size(), 256), [&](const auto& range) {
     for (std::size_t v = range.begin(); v < range.end(); ++v) {
       const VertexPlace place = lattice.place_of(std::uint32_t(v));
