@@ -61,7 +61,7 @@ Json write_result(const std::string& path, GridAccumulator accumulator, bool fin
   const std::string doubt = few_photons_text(found);
   if (finished) {
     IrradianceGrid grid = resolve(accumulator);
-    accumulator.sums = {};
+    std::vector<std::int64_t>().swap(accumulator.sums);  // gives the memory back, which = {} does not
     if (!doubt.empty()) grid.metadata["few_photons"] = doubt;
     grid.metadata["photon_begin"] = std::int64_t(accumulator.photon_begin);
     grid.metadata["photon_end"] = std::int64_t(accumulator.photon_end);
