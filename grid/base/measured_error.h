@@ -10,6 +10,7 @@ namespace ivory {
 struct PointError {
   double squared = 0;  // estimate of the squared error
   double truth = 0;    // estimate of what the error is a share of
+  double weight = 1;
 };
 
 // Shares: 0.02 is 2 %.
@@ -17,6 +18,7 @@ struct MeasuredError {
   double error = 0;
   double low = 0;  // 95 % confidence interval; error lies within
   double high = 0;
+  double square_standard_error = 0;  // of error^2
 };
 
 // Root of the mean squared error over the mean truth, which is not negative. Without any truth the error is 0 where

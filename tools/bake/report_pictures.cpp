@@ -23,8 +23,6 @@ const V3f background(0.93F, 0.93F, 0.93F);
 const V3f outside_color(0.8F, 0.8F, 0.8F);
 const V3f unseen_color(1, 0, 1);
 
-double mean_of(const V3d& rgb) { return (rgb.x + rgb.y + rgb.z) / 3; }
-
 // What a pixel shows.
 struct Seen {
   DomainPoint at;

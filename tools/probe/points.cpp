@@ -45,33 +45,26 @@ void run_points(const PointsOptions& options, const CommonOptions& common) {
   const Domain domain(scene,
                       {.frame = default_frame(scene, bake), .kind = options.domain, .given = {}, .seed = options.seed});
 
-  // Whether light comes to a point is told as certificates tell it, so that both speak of the same points.
-  TruthParams reach;
-  reach.indirect_only = options.indirect_only;
-  reach.seed = options.seed;
-  constexpr int paths = 64;
-  constexpr std::uint64_t tries_a_point = 64;
+  TruthParams truth;
+  truth.indirect_only = options.indirect_only;
+  truth.seed = options.seed;
+  const TruePoints found = find_lit_points(input.lit, domain, 0, std::size_t(options.count), truth);
   std::string text = "x,y,z,nx,ny,nz\n";
-  const auto wanted = std::uint64_t(options.count);
-  std::uint64_t tried = 0;
-  std::uint64_t drawn = 0;
-  Progress progress(common, "drawing", "points");
-  for (; drawn < wanted && tried < wanted * tries_a_point; ++tried) {
-    const DomainPoint point = domain.point(tried);
-    if (!light_reaches(input.lit, point.p, point.n, paths, tried, reach)) continue;
-    const V3d p = to_world(point.p, scene.anchor_m);
-    text +=
-        fmt::format("{:.12g},{:.12g},{:.12g},{:.9g},{:.9g},{:.9g}\n", p.x, p.y, p.z, point.n.x, point.n.y, point.n.z);
-    progress.update(++drawn, wanted);
+  for (const TruePoint& point : found.lit) {
+    const V3d p = to_world(point.at.p, scene.anchor_m);
+    const V3f& n = point.at.n;
+    text += fmt::format("{:.12g},{:.12g},{:.12g},{:.9g},{:.9g},{:.9g}\n", p.x, p.y, p.z, n.x, n.y, n.z);
   }
+  const std::size_t drawn = found.lit.size();
+  const std::size_t tried = drawn + found.dark.size();
   if (drawn == 0) {
     throw Error(options.scene, fmt::format("light reaches none of {} points tried", tried),
                 "check its lights, --bounds and --domain; ivory info says what shines");
   }
   std::vector<std::string> warnings = input.warnings;
-  if (drawn < wanted) {
-    warnings.push_back(fmt::format("{} points instead of {}: light reaches only {:.2g} % of those tried", drawn, wanted,
-                                   100 * double(drawn) / double(tried)));
+  if (drawn < std::size_t(options.count)) {
+    warnings.push_back(fmt::format("{} points instead of {}: light reaches only {:.2g} % of those tried", drawn,
+                                   options.count, 100 * double(drawn) / double(tried)));
     print_warnings(common, {warnings.back()});
   }
   write_file(options.output, text, common.force);

@@ -13,19 +13,8 @@ namespace ivory {
 
 namespace {
 
-// A white Lambertian surface scatters L = E/pi, so E is pi times what a path from it brings. Such a
-// surface adds one bounce of its own.
 ProbeResult probe_point(const LitScene& lit, const ProbePoint& point, const ProbeParams& params, std::uint64_t index) {
-  Surface white;
-  white.p = point.p;
-  white.ng = point.n;
-  white.ns = point.n;
-  white.diffuse_albedo = Rgb(1, 1, 1);
-  white.specular_f0 = Rgb(0, 0, 0);
-  white.specular_f90 = Rgb(0, 0, 0);
-  white.emission = Rgb(0, 0, 0);
-  white.reach_m = own_surface_reach_m(lit.intersector, point.p, point.n);
-
+  const Surface white = white_receiver(lit, point.p, point.n);
   PathParams path;
   path.max_bounces = params.max_bounces + 1;
   path.indirect_only = params.indirect_only;
@@ -53,6 +42,19 @@ ProbeResult probe_point(const LitScene& lit, const ProbePoint& point, const Prob
 }
 
 }  // namespace
+
+Surface white_receiver(const LitScene& lit, const V3f& p, const V3f& n) {
+  Surface white;
+  white.p = p;
+  white.ng = n;
+  white.ns = n;
+  white.diffuse_albedo = Rgb(1, 1, 1);
+  white.specular_f0 = Rgb(0, 0, 0);
+  white.specular_f90 = Rgb(0, 0, 0);
+  white.emission = Rgb(0, 0, 0);
+  white.reach_m = own_surface_reach_m(lit.intersector, p, n);
+  return white;
+}
 
 std::vector<ProbeResult> probe_scene(const LitScene& lit, const std::vector<ProbePoint>& points,
                                      const ProbeParams& params) {

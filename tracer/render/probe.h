@@ -4,6 +4,7 @@
 #include <functional>
 #include <vector>
 
+#include "tracer/core/surface.h"
 #include "tracer/render/direct_light.h"
 
 namespace ivory {
@@ -27,6 +28,10 @@ struct ProbeResult {
   Rgb e;               // irradiance in lux
   Rgb standard_error;  // of e, lux
 };
+
+// A white Lambertian surface at p with the unit normal n: it scatters L = E/pi, so that E is pi times what a path from
+// it brings. It adds one bounce of its own. p may lie on a surface, whose bulges rays are to start above.
+Surface white_receiver(const LitScene& lit, const V3f& p, const V3f& n);
 
 // E(p, n), including light that comes straight from its source unless indirect_only. A point may lie on a
 // surface: rays start a little above it, on the side of n. Samples are independent, so that the

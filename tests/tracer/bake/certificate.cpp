@@ -80,7 +80,7 @@ TEST(Certificate, IntervalsHold) {
   const double truth = measure(1000, 6144).interval.error;
   int holds = 0;
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
-    const ErrorInterval found = measure(seed, 192).interval;
+    const MeasuredError found = measure(seed, 192).interval;
     holds += found.low <= truth && truth <= found.high ? 1 : 0;
   }
   EXPECT_GE(holds, 25);
@@ -88,7 +88,7 @@ TEST(Certificate, IntervalsHold) {
 
 TEST(Certificate, MovesWithTheScene) {
   const Scene scene = small_room();
-  std::optional<ErrorInterval> first;
+  std::optional<MeasuredError> first;
   M33f turned;
   turned[0][0] = turned[2][2] = 0;
   turned[0][2] = -1;

@@ -22,8 +22,6 @@
 namespace ivory {
 namespace {
 
-constexpr std::uint64_t default_photons_a_vertex = 256;
-constexpr std::uint64_t least_default_photons = 1'000'000;
 constexpr std::uint64_t scout_photons_a_vertex = 4;
 constexpr std::uint64_t photons_a_batch = 2048;  // about 10,000 segments: they stay in the second-level cache
 
@@ -100,8 +98,7 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
   const int threads = affordable_threads(lit, lattice, params);
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, std::size_t(threads));
 
-  const std::uint64_t photons =
-      params.photons != 0 ? params.photons : std::max(least_default_photons, default_photons_a_vertex * vertices);
+  const std::uint64_t photons = params.photons != 0 ? params.photons : default_photons(vertices);
   const auto range = params.photon_range.value_or(std::pair<std::uint64_t, std::uint64_t>{0, photons});
   const std::uint64_t begin = range.first;  // Clang 14 does not capture structured bindings
   const std::uint64_t end = range.second;

@@ -12,8 +12,6 @@
 namespace ivory {
 namespace {
 
-constexpr int default_long_side = 32;
-
 // Rows are the grid's axes in the world.
 M33f axes_turned_about_y(float degrees) {
   M33f axes;
@@ -130,6 +128,12 @@ Lattice default_lattice(const Scene& scene, const GridBakeParams& params) {
   lattice.levels = params.levels;
   if (params.dynamic_regions) lattice.dynamic_regions = *params.dynamic_regions;
   return make_scene_lattice(scene, frame, lattice);
+}
+
+std::uint64_t default_photons(std::size_t vertices) {
+  constexpr std::uint64_t a_vertex = 256;
+  constexpr std::uint64_t least = 1'000'000;
+  return std::max(least, a_vertex * vertices);
 }
 
 }  // namespace ivory

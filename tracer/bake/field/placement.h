@@ -13,6 +13,7 @@ namespace ivory {
 // towards +X. Throws Error for a scene without extent, and ParameterError for a resolution or voxel size that is below
 // 2 vertices an axis, not finite, or too fine to number the vertices. With several levels it is the finest one's frame,
 // its sides rounded up to multiples of 2^levels vertices, mostly at the far ends.
+inline constexpr int default_long_side = 32;  // vertices along it, where neither is given
 GridFrame default_frame(const Scene& scene, const GridBakeParams& params);
 
 // params.frame, or default_frame(), as the finest of params.levels levels: make_scene_lattice(), finest in
@@ -21,5 +22,8 @@ Lattice default_lattice(const Scene& scene, const GridBakeParams& params);
 
 // The sphere around the grid's cells, which photons are sent to; none where they are to be sent evenly.
 std::optional<EmissionTarget> emission_target(const GridFrame& frame, const GridBakeParams& params);
+
+// Photons of a bake that says nothing of them: 256 a vertex, at least a million.
+std::uint64_t default_photons(std::size_t vertices);
 
 }  // namespace ivory

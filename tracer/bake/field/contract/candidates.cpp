@@ -38,6 +38,7 @@ GridCandidates make_candidates(const Scene& scene, const GridBakeParams& asked, 
   GridCandidates candidates;
   if (asked.resolution || asked.voxel_size_m || asked.frame) {
     candidates.list = {{asked, default_lattice(scene, asked)}};
+    candidates.limited_by = "the spacing, which is given";
     return candidates;
   }
   const double limit = memory_limit_bytes(asked);

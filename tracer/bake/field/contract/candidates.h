@@ -17,9 +17,9 @@ struct GridCandidate {
 
 struct GridCandidates {
   std::vector<GridCandidate> list;  // the coarsest first; at least one
-  std::string limited_by;           // what keeps finer ones out; empty where the spacing is given
+  std::string limited_by;           // what keeps finer ones out
 
-  bool is_given() const { return list.size() == 1; }
+  bool is_single() const { return list.size() == 1; }
 };
 
 inline constexpr int coarsest_layers = 8;  // along the longest side, of the coarsest candidate and the first pilot

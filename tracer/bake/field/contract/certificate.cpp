@@ -17,22 +17,6 @@ namespace {
 constexpr std::size_t least_points = 16;
 constexpr int reach_paths = 64;
 
-double mean_of(const V3d& rgb) { return (rgb.x + rgb.y + rgb.z) / 3; }
-
-// --- How many points, how many paths ----------------------------------------------------------------------------
-//
-// With K paths of standard deviation s at each of N points where the grid is off by d, the square's estimate varies by
-// 2 s^4 / K^2 + 4 d^2 s^2 / K + C d^4, C the square of the coefficient of variation of d^2 over the points: about 9
-// where a tenth of them holds 70 % of the sum. For a given N K that is least at K = sqrt(2 / C) s^2 / d^2.
-constexpr double spread_of_squares = 9;
-
-int best_paths(double path_variance, double square) {
-  constexpr double least = 64;
-  constexpr double most = 65536;
-  const double paths = std::sqrt(2 / spread_of_squares) * path_variance / square;
-  return int(std::clamp(paths, least, most)) / truth_groups * truth_groups;
-}
-
 struct Measured {
   std::vector<MeasuredPoint> points;
   std::vector<DomainPoint> dark;
@@ -48,7 +32,7 @@ void measure(const LitScene& lit, const IrradianceGrid& grid, const Domain& doma
     MeasuredPoint& point = into.points[first + i];
     point.point = found.lit[i];
     point.reading = read_grid(grid, lit.intersector, point.point.at, params.lookup);
-    point.sample = error_sample(point.point, point.reading.e);
+    point.sample = point_error(point.point, point.reading.e);
   });
   into.dark.insert(into.dark.end(), found.dark.begin(), found.dark.end());
   into.next = found.next;
@@ -61,8 +45,8 @@ void balance(std::vector<MeasuredPoint>& points) {
   for (MeasuredPoint& p : points) p.sample.weight = p.point.at.weight;
 }
 
-std::vector<ErrorSample> samples_of(const std::vector<MeasuredPoint>& points) {
-  std::vector<ErrorSample> samples;
+std::vector<PointError> samples_of(const std::vector<MeasuredPoint>& points) {
+  std::vector<PointError> samples;
   for (const MeasuredPoint& p : points) samples.push_back(p.sample);
   return samples;
 }
@@ -115,8 +99,8 @@ std::string describe(const FieldCertificate& certificate, const Domain& domain, 
 
 }  // namespace
 
-TruePoints find_true_points(const LitScene& lit, const Domain& domain, std::uint64_t first, std::size_t count,
-                            int paths, const TruthParams& params) {
+TruePoints find_lit_points(const LitScene& lit, const Domain& domain, std::uint64_t first, std::size_t count,
+                           const TruthParams& params) {
   TruePoints out;
   out.next = first;
   const bool given = !domain.params().given.empty();
@@ -140,6 +124,12 @@ TruePoints find_true_points(const LitScene& lit, const Domain& domain, std::uint
         out.dark.push_back(candidates[i]);
     }
   }
+  return out;
+}
+
+TruePoints find_true_points(const LitScene& lit, const Domain& domain, std::uint64_t first, std::size_t count,
+                            int paths, const TruthParams& params) {
+  TruePoints out = find_lit_points(lit, domain, first, count, params);
   tbb::parallel_for(std::size_t(0), out.lit.size(), [&](std::size_t i) {
     TruePoint& point = out.lit[i];
     point.truth = trace_truth(lit, point.at.p, point.at.n, paths, point.index, params);
@@ -173,9 +163,9 @@ Reading read_grid(const IrradianceGrid& grid, const Intersector& intersector, co
   return out;
 }
 
-ErrorSample error_sample(const TruePoint& point, const V3d& read) {
+PointError point_error(const TruePoint& point, const V3d& read) {
   const V3d off = read - point.truth.e;
-  return {point.at.weight, mean_of(off * off - point.truth.variance), mean_of(point.truth.e)};
+  return {mean_of(off * off - point.truth.variance), mean_of(point.truth.e), point.at.weight};
 }
 
 std::optional<FieldCertificate> certify(const LitScene& lit, const IrradianceGrid& grid, const Domain& domain,
@@ -187,7 +177,7 @@ std::optional<FieldCertificate> certify(const LitScene& lit, const IrradianceGri
   Measured trial;
   if (!given) trial.next = params.first_point;
   measure(lit, grid, domain, trial_points, trial_paths, params, trial);
-  const double mean_e = mean_over(trial.points, [](const MeasuredPoint& p) { return p.sample.value; });
+  const double mean_e = mean_over(trial.points, [](const MeasuredPoint& p) { return p.sample.truth; });
   if (trial.points.size() < std::min<std::size_t>(least_points, domain.size()) || trial.points.size() < 2 ||
       !(mean_e > 0))
     return std::nullopt;
@@ -199,7 +189,10 @@ std::optional<FieldCertificate> certify(const LitScene& lit, const IrradianceGri
                                   std::pow(least_share * mean_e, 2)});
 
   FieldCertificate out;
-  out.paths_a_point = best_paths(path_variance, square);
+  constexpr double least_paths = 64;
+  constexpr double most_paths = 65536;
+  out.paths_a_point =
+      int(std::clamp(best_paths(path_variance, square), least_paths, most_paths)) / truth_groups * truth_groups;
   Measured measured;
   if (!given) measured.next = trial.next;
   const auto affordable = [&](double points) {
@@ -211,23 +204,21 @@ std::optional<FieldCertificate> certify(const LitScene& lit, const IrradianceGri
   if (!given) balance(measured.points);
   if (measured.points.size() < 2) return std::nullopt;
   out.interval = root_mean_square(samples_of(measured.points));
-  out.mean_e_lux = mean_over(measured.points, [](const MeasuredPoint& p) { return p.sample.value; });
+  out.mean_e_lux = mean_over(measured.points, [](const MeasuredPoint& p) { return p.sample.truth; });
   if (!(out.mean_e_lux > 0)) return std::nullopt;
   if (!given) {
-    // se(T) ~ 2 T se(ln error): aimed at `precision` of the error, or of half the target where the error is less.
+    // Of the square: twice `precision` of it, or of that of half the target where the error is less.
     const double t = out.interval.error * out.interval.error;
-    const double se = std::isfinite(out.interval.log_standard_error) ? 2 * t * out.interval.log_standard_error
-                                                                     : out.interval.high * out.interval.high / 2.6;
     const double aim = 2 * params.precision * std::max(t, square / (mean_e * mean_e));
     const double have = double(measured.points.size());
-    const std::size_t wanted = affordable(have * std::pow(se / aim, 2));
+    const std::size_t wanted = affordable(have * std::pow(out.interval.square_standard_error / aim, 2));
     if (wanted > measured.points.size()) {
       measure(lit, grid, domain, wanted - measured.points.size(), out.paths_a_point, params, measured);
     }
   }
   if (!given) balance(measured.points);
   out.interval = root_mean_square(samples_of(measured.points));
-  out.mean_e_lux = mean_over(measured.points, [](const MeasuredPoint& p) { return p.sample.value; });
+  out.mean_e_lux = mean_over(measured.points, [](const MeasuredPoint& p) { return p.sample.truth; });
   out.points = std::move(measured.points);
   out.dark_points = measured.dark.size();
 
@@ -235,7 +226,7 @@ std::optional<FieldCertificate> certify(const LitScene& lit, const IrradianceGri
   const auto share = [&](double mean_square) { return std::sqrt(std::max(0.0, mean_square)) / out.mean_e_lux; };
   parts["noise"] = share(mean_over(out.points, [](const MeasuredPoint& p) { return mean_of(p.reading.noise); }));
   parts["unseen"] =
-      share(mean_over(out.points, [](const MeasuredPoint& p) { return p.reading.unseen ? p.sample.square : 0; }));
+      share(mean_over(out.points, [](const MeasuredPoint& p) { return p.reading.unseen ? p.sample.squared : 0; }));
   if (params.directions && grid.light == StoredLight::indirect) {
     const DirectionErrors errors = direction_errors(lit, out.points, grid.finest_frame(), out.mean_e_lux, params.truth);
     out.direction_vectors = errors.vectors;

@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "grid/base/certificate.h"
+#include "grid/base/measured_error.h"
 #include "grid/field/irradiance_grid.h"
 #include "tracer/bake/field/contract/domain.h"
-#include "tracer/bake/field/contract/mean_square.h"
 #include "tracer/bake/field/contract/truth.h"
 
 namespace ivory {
@@ -29,8 +29,12 @@ struct TruePoints {
 };
 
 // The next `count` points of the domain from number `first` on that light reaches (one of 64 paths of their own met
-// light; of given points, all), with E from `paths` paths each. Fewer where light is hard to find: after 8 candidates
-// for each point wanted it gives up.
+// light; of given points, all), their truth left out. Fewer where light is hard to find: after 8 candidates for each
+// point wanted it gives up.
+TruePoints find_lit_points(const LitScene& lit, const Domain& domain, std::uint64_t first, std::size_t count,
+                           const TruthParams& params);
+
+// The same with E from `paths` paths each.
 TruePoints find_true_points(const LitScene& lit, const Domain& domain, std::uint64_t first, std::size_t count,
                             int paths, const TruthParams& params);
 
@@ -52,7 +56,7 @@ Reading read_grid(const IrradianceGrid& grid, const Intersector& intersector, co
                   const LookupParams& lookup);
 
 // Square error at a point, the truth's own noise taken off, and the truth: means over the channels, lux^2 and lux.
-ErrorSample error_sample(const TruePoint& point, const V3d& read);
+PointError point_error(const TruePoint& point, const V3d& read);
 
 struct CertificateParams {
   double target = 0;  // 0: nothing was asked for
@@ -68,7 +72,7 @@ struct CertificateParams {
 struct MeasuredPoint {
   TruePoint point;
   Reading reading;
-  ErrorSample sample;
+  PointError sample;
 };
 
 // Where a grid is worst.
@@ -84,7 +88,7 @@ struct WorstPlace {
 
 struct FieldCertificate {
   Certificate summary;
-  ErrorInterval interval;
+  MeasuredError interval;
   double mean_e_lux = 0;
   // Directional error of bases, measured at some of the points with all else exact: share of mean E.
   std::optional<double> direction_vectors, direction_vectors9, direction_sh9;

@@ -33,7 +33,7 @@ GridBakeParams pilot_params(const ContractState& state, double layers) {
   GridBakeParams bake = state.params.bake;
   bake.progress = nullptr;
   bake.pilot_progress = nullptr;
-  if (state.candidates.is_given() && layers_of(state.candidates.list[0].finest()) <= layers) {
+  if (state.candidates.is_single() && layers_of(state.candidates.list[0].finest()) <= layers) {
     bake.lattice = state.candidates.list[0].lattice;
     return bake;
   }
@@ -41,7 +41,7 @@ GridBakeParams pilot_params(const ContractState& state, double layers) {
   bake.resolution.reset();
   constexpr double hair = 1 + 1e-6;
   bake.voxel_size_m = float(longest_m(state.cover) * hair / layers);
-  if (!state.candidates.is_given()) bake.levels = levels_for(layers, bake.estimator);
+  if (!state.candidates.is_single()) bake.levels = levels_for(layers, bake.estimator);
   bake.lattice = default_lattice(*state.lit.scene, bake);
   return bake;
 }

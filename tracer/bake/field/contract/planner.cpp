@@ -12,11 +12,6 @@
 namespace ivory {
 namespace {
 
-// What a bake by resolution alone does unless it is told otherwise (baker.cpp).
-constexpr double usual_layers = 32;
-constexpr double usual_photons_a_vertex = 256;
-constexpr double least_usual_photons = 1e6;
-
 // Do two halvings take less than a tenth off the bias each? Then something else than the spacing makes it, and finer
 // vertices would only cost.
 bool stalls(const ContractState& state) {
@@ -27,7 +22,7 @@ bool stalls(const ContractState& state) {
 }
 
 void stop_refining(ContractState& state) {
-  if (state.candidates.is_given()) return;
+  if (state.candidates.is_single()) return;
   const double finest = 0.99 * state.pilots.back().spacing_m;
   std::erase_if(state.candidates.list, [&](const GridCandidate& c) { return spacing_of(c.finest()) < finest; });
   state.candidates.limited_by = "an error that does not fall with the spacing";
@@ -53,11 +48,10 @@ PlanLimits plan_limits(const ContractState& state) {
   if (state.params.most_work) {
     GridBakeParams usual = state.params.bake;
     usual.resolution.reset();
-    usual.voxel_size_m = float(longest_m(state.cover) / usual_layers);
-    const double vertices = double(default_frame(*state.lit.scene, usual).vertex_count());
-    limits.most_seconds =
-        *state.params.most_work *
-        state.costs.seconds(vertices, usual_layers, std::max(least_usual_photons, usual_photons_a_vertex * vertices));
+    usual.voxel_size_m = float(longest_m(state.cover) / default_long_side);
+    const std::size_t vertices = default_frame(*state.lit.scene, usual).vertex_count();
+    limits.most_seconds = *state.params.most_work *
+                          state.costs.seconds(double(vertices), default_long_side, double(default_photons(vertices)));
   }
   if (state.params.most_seconds) {
     const double left = *state.params.most_seconds - state.since_start.seconds() -
@@ -104,9 +98,7 @@ GridPlan unknown_plan(const ContractState& state) {
   const Lattice usual = default_lattice(*state.lit.scene, state.params.bake);
   plan.frame = usual.finest_frame();
   plan.vertices = usual.vertex_count();
-  plan.photons = state.params.bake.photons != 0
-                     ? state.params.bake.photons
-                     : std::uint64_t(std::max(least_usual_photons, usual_photons_a_vertex * double(plan.vertices)));
+  plan.photons = state.params.bake.photons != 0 ? state.params.bake.photons : default_photons(plan.vertices);
   plan.limited_by = "light: it reaches too little of the domain to plan by";
   return plan;
 }
@@ -117,7 +109,7 @@ GridPlan make_plan(ContractState& state) {
   state.points = find_planning_points(state.lit, state.domain, state.params.target, state.truth);
   state.candidates = make_candidates(*state.lit.scene, state.params.bake, state.cover);
   if (state.points.mean_e_lux <= 0) return unknown_plan(state);
-  const bool fixed = state.candidates.is_given();
+  const bool fixed = state.candidates.is_single();
   double layers =
       fixed ? std::min(double(coarsest_layers), layers_of(state.candidates.list[0].finest())) : coarsest_layers;
   add_pilot(state, layers);
@@ -154,7 +146,6 @@ void choose(ContractState& state) {
 std::string what_limits(const ContractState& state) {
   if (state.model.direction > aim_of_target * state.params.target)
     return fmt::format("the directional basis, which alone is {:.2g} % off", 100 * state.model.direction);
-  if (state.candidates.is_given()) return "the spacing, which is given";
   if (state.params.bake.photons != 0) return "the photons, whose number is given";
   if (state.params.most_seconds) return "the time that is given";
   if (state.params.most_work) return "the work of a bake that no error was asked for";

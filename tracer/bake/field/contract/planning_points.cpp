@@ -19,7 +19,6 @@ PlanningPoints find_planning_points(const LitScene& lit, const Domain& domain, d
                                     const TruthParams& truth) {
   constexpr std::size_t trial = 96;
   constexpr int trial_paths = 64;
-  constexpr double spread_of_squares = 9;
   constexpr double most_paths = 3072;
   const auto start = std::chrono::steady_clock::now();
   PlanningPoints points;
@@ -37,7 +36,7 @@ PlanningPoints find_planning_points(const LitScene& lit, const Domain& domain, d
   if (few.lit.size() < std::min<std::size_t>(16, domain.size()) || !(e > 0)) return points;
   e /= weights;
   variance /= weights;
-  const double best = std::sqrt(2 / spread_of_squares) * variance / std::pow(target * e, 2);
+  const double best = best_paths(variance, std::pow(target * e, 2));
   const int paths = int(std::clamp(best, 64.0, most_paths));
   points.lit =
       find_true_points(lit, domain, given ? 0 : few.next, given ? domain.size() : planning_points, paths, truth).lit;
@@ -56,11 +55,11 @@ PlanningPoints find_planning_points(const LitScene& lit, const Domain& domain, d
 
 ReachedError error_at(const PlanningPoints& points, const IrradianceGrid& grid, const Intersector& intersector,
                       const LookupParams& lookup) {
-  std::vector<ErrorSample> samples(points.lit.size());
+  std::vector<PointError> samples(points.lit.size());
   std::vector<double> noise(points.lit.size());
   tbb::parallel_for(std::size_t(0), points.lit.size(), [&](std::size_t i) {
     const Reading reading = read_grid(grid, intersector, points.lit[i].at, lookup);
-    samples[i] = error_sample(points.lit[i], reading.e);
+    samples[i] = point_error(points.lit[i], reading.e);
     noise[i] = mean_of(reading.noise);
   });
   double squares = 0;

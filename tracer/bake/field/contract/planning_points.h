@@ -26,6 +26,4 @@ struct ReachedError {
 ReachedError error_at(const PlanningPoints& points, const IrradianceGrid& grid, const Intersector& intersector,
                       const LookupParams& lookup);
 
-inline double mean_of(const V3d& rgb) { return (rgb.x + rgb.y + rgb.z) / 3; }
-
 }  // namespace ivory

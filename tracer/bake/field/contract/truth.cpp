@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "tracer/core/sampler.h"
-#include "tracer/core/surface.h"
 #include "tracer/render/path_tracer.h"
+#include "tracer/render/probe.h"
 
 namespace ivory {
 namespace {
@@ -14,32 +15,20 @@ namespace {
 // its end.
 constexpr std::uint32_t even_calls = 8;
 
-// A white Lambertian surface scatters L = E/pi, and adds one bounce of its own (tracer/render/probe.cpp).
-struct WhitePoint {
-  Surface surface;
+// One bounce more than the light may take: the receiver's own.
+PathParams path_params(const TruthParams& params) {
   PathParams path;
-};
-
-WhitePoint white_point(const LitScene& lit, const V3f& p, const V3f& n, const TruthParams& params) {
-  WhitePoint white;
-  white.surface.p = p;
-  white.surface.ng = n;
-  white.surface.ns = n;
-  white.surface.diffuse_albedo = Rgb(1, 1, 1);
-  white.surface.specular_f0 = Rgb(0, 0, 0);
-  white.surface.specular_f90 = Rgb(0, 0, 0);
-  white.surface.emission = Rgb(0, 0, 0);
-  white.surface.reach_m = own_surface_reach_m(lit.intersector, p, n);
-  white.path.max_bounces = params.max_bounces + 1;
-  white.path.indirect_only = params.indirect_only;
-  return white;
+  path.max_bounces = params.max_bounces + 1;
+  path.indirect_only = params.indirect_only;
+  return path;
 }
 
 }  // namespace
 
 Truth trace_truth(const LitScene& lit, const V3f& p, const V3f& n, int paths, std::uint64_t index,
                   const TruthParams& params) {
-  const WhitePoint white = white_point(lit, p, n, params);
+  const Surface white = white_receiver(lit, p, n);
+  const PathParams path = path_params(params);
   RandomStream random(params.seed, StreamPurpose::truth, 2 * index);
   const int group_paths = (paths + truth_groups - 1) / truth_groups;
   std::array<V3d, truth_groups> means;
@@ -49,7 +38,7 @@ Truth trace_truth(const LitScene& lit, const V3f& p, const V3f& n, int paths, st
     mean = V3d(0, 0, 0);
     for (int i = 0; i < group_paths; ++i) {
       random.begin_sample(std::uint32_t(i), key, even_calls);
-      mean += V3d(trace_scattered(lit, white.surface, n, white.path, random) * pi);
+      mean += V3d(trace_scattered(lit, white, n, path, random) * pi);
     }
     // The next key is no point of a sequence.
     random.begin_sample(0, 0, 0);
@@ -63,12 +52,18 @@ Truth trace_truth(const LitScene& lit, const V3f& p, const V3f& n, int paths, st
   return truth;
 }
 
+double best_paths(double path_variance, double square) {
+  constexpr double spread_of_squares = 9;
+  return std::sqrt(2 / spread_of_squares) * path_variance / square;
+}
+
 bool light_reaches(const LitScene& lit, const V3f& p, const V3f& n, int paths, std::uint64_t index,
                    const TruthParams& params) {
-  const WhitePoint white = white_point(lit, p, n, params);
+  const Surface white = white_receiver(lit, p, n);
+  const PathParams path = path_params(params);
   RandomStream random(params.seed, StreamPurpose::truth, 2 * index + 1);
   for (int i = 0; i < paths; ++i) {
-    if (!is_black(trace_scattered(lit, white.surface, n, white.path, random))) return true;
+    if (!is_black(trace_scattered(lit, white, n, path, random))) return true;
   }
   return false;
 }

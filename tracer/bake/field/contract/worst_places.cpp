@@ -13,8 +13,6 @@ namespace {
 
 constexpr std::size_t most_places = 8;
 
-double mean_of(const V3d& rgb) { return (rgb.x + rgb.y + rgb.z) / 3; }
-
 // Does another surface stand within a voxel before it?
 bool is_near_contact(const Intersector& intersector, const DomainPoint& at, float voxel_m) {
   const ShadingFrame frame = make_shading_frame(at.n);
@@ -57,7 +55,7 @@ std::vector<WorstPlace> worst_places(const LitScene& lit, const std::vector<Meas
   std::vector<std::size_t> order(points.size());
   std::iota(order.begin(), order.end(), std::size_t(0));
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    return points[a].sample.weight * points[a].sample.square > points[b].sample.weight * points[b].sample.square;
+    return points[a].sample.weight * points[a].sample.squared > points[b].sample.weight * points[b].sample.squared;
   });
   const V3f extent = V3f(grid.frame.size) * grid.frame.spacing_m;
   const V3f& h = grid.finest_frame().spacing_m;
@@ -69,7 +67,7 @@ std::vector<WorstPlace> worst_places(const LitScene& lit, const std::vector<Meas
     const MeasuredPoint& m = points[i];
     const double noise = mean_of(m.point.truth.variance);
     constexpr double sure = 9;  // three standard errors
-    if (m.sample.square <= (sure - 1) * noise) continue;
+    if (m.sample.squared <= (sure - 1) * noise) continue;
     const V3f& p = m.point.at.p;
     if (std::any_of(taken.begin(), taken.end(), [&](const V3f& q) { return (q - p).length() < apart_m; })) continue;
     taken.push_back(p);
