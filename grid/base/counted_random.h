@@ -1,4 +1,6 @@
-// Random numbers that depend on nothing but (seed, index): for grid/, which knows no tracer.
+// Random numbers that depend on nothing but (seed, index): for grid/, which knows no tracer, and for what is measured
+// of its assets. Own code, as the standard's engines cannot be entered at an index and its distributions give other
+// numbers from library to library.
 #pragma once
 
 #include <cmath>

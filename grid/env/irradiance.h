@@ -3,7 +3,7 @@
 
 #include "grid/env/difmap.h"
 #include "grid/env/environment_image.h"
-#include "grid/env/irradiance_tree.h"
+#include "grid/env/irradiance/tree.h"
 #include "grid/env/moments.h"
 
 namespace ivory {

@@ -72,6 +72,20 @@ inline IrradianceGrid sample_grid(Basis basis) {
   return grid;
 }
 
+// Two levels: 4 x 4 x 4 vertices and one brick.
+inline IrradianceGrid sample_grid_of_levels() {
+  IrradianceGrid grid = sample_grid(Basis::sh4);
+  GridFrame frame = grid.frame;
+  frame.size = {4, 4, 4};
+  static_cast<Lattice&>(grid) = make_lattice(frame, {{V3i(0, 0, 0)}});
+  const std::size_t count = grid.vertex_count();
+  grid.visible_fraction.assign(count, 0.5F);
+  grid.guard.assign(count, GuardRecord{});
+  grid.moments.assign(count * std::size_t(grid.stride()), 2.5F);
+  grid.variance.assign(count, Rgb(1, 2, 3));
+  return grid;
+}
+
 inline GridAccumulator sample_sums(Basis basis, Estimator estimator) {
   GridAccumulator sums;
   sums.basis = basis;

@@ -51,6 +51,8 @@ const std::vector<VdbFile>& samples() {
       write_vdb(path, fuzz::sample_grid(basis), true);
       made.push_back(load(path));
     }
+    write_vdb(path, fuzz::sample_grid_of_levels(), true);
+    made.push_back(load(path));
     // Of the layouts of sums the one of fewest grids, as each costs its time.
     write_vdb(path, fuzz::sample_sums(Basis::sh4, Estimator::track), true);
     made.push_back(load(path));
@@ -201,7 +203,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string path = fuzz::file_of(reinterpret_cast<const std::uint8_t*>(sealed.data()), sealed.size(), ".vdb");
   fuzz::reads(path, [&] {
     const IrradianceGrid grid = read_grid_vdb(path);
-    check_frame(grid.frame);
+    for (int level = 0; level < grid.levels(); ++level) check_frame(grid.frame_of(level));
     fuzz::require(fuzz::all_finite(grid.moments) && fuzz::all_finite(grid.visible_fraction), "a grid's numbers");
   });
   fuzz::reads(path, [&] { check_frame(read_accumulator_vdb(path).frame); });

@@ -8,18 +8,6 @@
 
 namespace ivory {
 
-namespace {
-
-nlohmann::ordered_json json_of(const PredictedRange& range) {
-  return {{"low", range.low}, {"expected", range.value}, {"high", range.high}};
-}
-
-std::string seconds_text(double seconds) {
-  return seconds < 100 ? fmt::format("{:.2g} s", seconds) : format_duration(seconds);
-}
-
-}  // namespace
-
 double peak_memory_bytes() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -56,25 +44,19 @@ void print_plan(const std::string& output, const BakePlan& plan, const AssetCont
                                 {"dry_run", true},
                                 {"plan",
                                  {{"knobs", plan.knobs},
-                                  {"seconds", json_of(plan.seconds)},
-                                  {"memory_bytes", json_of(plan.memory_bytes)},
-                                  {"file_bytes", json_of(plan.file_bytes)},
-                                  {"error", json_of(plan.error)}}}};
+                                  {"seconds", prediction_json(plan.seconds)},
+                                  {"memory_bytes", prediction_json(plan.memory_bytes)},
+                                  {"file_bytes", prediction_json(plan.file_bytes)},
+                                  {"error", prediction_json(plan.error)}}}};
   std::string knobs;
   for (const auto& [name, value] : plan.knobs.items())
     knobs += fmt::format("{}{} {}", knobs.empty() ? "" : ", ", name,
                          value.is_string() ? value.get<std::string>() : value.dump());
   std::string human = fmt::format("{}: would be baked with {}\n", output, knobs);
-  human += fmt::format(
-      "time {} ({} to {}), memory {} ({} to {}), file {} ({} to {})\n", seconds_text(plan.seconds.value),
-      seconds_text(plan.seconds.low), seconds_text(plan.seconds.high),
-      format_bytes(std::uint64_t(plan.memory_bytes.value)), format_bytes(std::uint64_t(plan.memory_bytes.low)),
-      format_bytes(std::uint64_t(plan.memory_bytes.high)), format_bytes(std::uint64_t(plan.file_bytes.value)),
-      format_bytes(std::uint64_t(plan.file_bytes.low)), format_bytes(std::uint64_t(plan.file_bytes.high)));
-  human += fmt::format("error {} ({} to {})", format_share(plan.error.value), format_share(plan.error.low),
-                       format_share(plan.error.high));
+  human += fmt::format("time {}, memory {}, file {}\nerror {}", seconds_text(plan.seconds),
+                       bytes_text(plan.memory_bytes), bytes_text(plan.file_bytes), share_text(plan.error));
   if (contract.target) {
-    const bool met = plan.error.value <= *contract.target;
+    const bool met = plan.error.expected <= *contract.target;
     result["plan"]["target"] = *contract.target;
     result["plan"]["meets"] = met;
     human += fmt::format(", {} the asked-for {}", met ? "within" : "more than", format_share(*contract.target));

@@ -10,6 +10,7 @@
 
 #include "grid/base/certificate.h"
 #include "grid/base/measured_error.h"
+#include "grid/base/prediction.h"
 #include "tools/cli/common.h"
 
 namespace ivory {
@@ -32,24 +33,18 @@ void add_contract_options(Command command, AssetContract& contract, const std::s
 void check_output(const std::string& path, const std::string& extension, const AssetContract& contract,
                   const CommonOptions& common);
 
-// A prediction and what it should lie between.
-struct PredictedRange {
-  double value = 0;
-  double low = 0;
-  double high = 0;
-};
-inline PredictedRange within_factor(double value, double factor) { return {value, value / factor, value * factor}; }
-inline PredictedRange predicted_range(const MeasuredError& error) { return {error.error, error.low, error.high}; }
+// The error that was measured on a pilot.
+inline Prediction predicted_error(const MeasuredError& error) { return {error.low, error.error, error.high}; }
 
 // What this process has used at most so far.
 double peak_memory_bytes();
 
 struct BakePlan {
   nlohmann::ordered_json knobs;  // by their options' names: {"size": 64}
-  PredictedRange seconds;        // of what is still to be done, certificate included
-  PredictedRange memory_bytes;   // of the process at its peak
-  PredictedRange file_bytes;
-  PredictedRange error;
+  Prediction seconds;            // of what is still to be done, certificate included
+  Prediction memory_bytes;       // of the process at its peak
+  Prediction file_bytes;
+  Prediction error;
 };
 
 // The result of a dry run: "plan" with knobs, seconds, memory_bytes, file_bytes and error, the last four with low,

@@ -10,7 +10,7 @@
 #include "grid/base/cheapest.h"
 #include "grid/base/error.h"
 #include "grid/env/irradiance.h"
-#include "grid/env/irradiance_error.h"
+#include "grid/env/irradiance/error.h"
 #include "tools/bake/asset_contract.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
@@ -58,7 +58,7 @@ BakePlan make_plan(const IrradianceTree& tree, const CheapestSetting& setting) {
   plan.memory_bytes = within_factor(peak_memory_bytes() + 40 * texels, 1.3);
   // Floats of smooth faces are packed to a half up to nine tenths.
   plan.file_bytes = {0.75 * texels * 12, 0.4 * texels * 12, texels * 12 + 4096};
-  plan.error = predicted_range(setting.predicted);
+  plan.error = predicted_error(setting.predicted);
   return plan;
 }
 

@@ -107,7 +107,9 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   }
   const bool contract = has_contract(options.contract, params);
   if (contract && params.levels > 1)
-    throw UsageError("--levels refines the spacing that --voxel-size or --resolution asks for: give one, and photons");
+    throw UsageError(
+        "--levels: a bake to an error chooses its levels itself; give --voxel-size or --resolution and --photons "
+        "instead of --target-error or --dry-run");
   params.max_memory_bytes = options.contract.most_memory_bytes;
   if (!options.contract.dry_run) check_output(options.output, ".vdb", common);
   if (!options.contract.report.empty() && !options.contract.dry_run)

@@ -43,17 +43,6 @@ std::vector<DomainPoint> read_domain_points(const std::string& path, const V3d& 
   return points;
 }
 
-Json range_json(const Range& range) { return {{"low", range.low}, {"expected", range.expected}, {"high", range.high}}; }
-
-std::string range_text(const Range& range, std::string (*text)(double)) {
-  return fmt::format("{} ({} to {})", text(range.expected), text(range.low), text(range.high));
-}
-
-std::string seconds_text(double seconds) {
-  return seconds < 100 ? fmt::format("{:.2g} s", seconds) : format_duration(seconds);
-}
-std::string bytes_text(double bytes) { return format_bytes(std::uint64_t(bytes)); }
-
 bool fixes_grid(const GridBakeParams& bake) {
   return bake.resolution || bake.voxel_size_m || bake.photons != 0 || bake.photon_range;
 }
@@ -148,14 +137,14 @@ Json plan_json(const GridPlan& plan, double target, const V3d& anchor_m) {
             {"levels", plan.levels},
             {"vertices", plan.vertices},
             {"photons", plan.photons},
-            {"error", range_json(plan.error)},
+            {"error", prediction_json(plan.error)},
             {"bias", plan.bias},
             {"noise", plan.noise},
             {"direction", plan.direction}};
   if (plan.direction_sh9) json["direction_sh9"] = *plan.direction_sh9;
-  json["seconds"] = range_json(plan.seconds);
-  json["memory_bytes"] = range_json(plan.memory_bytes);
-  json["file_bytes"] = range_json(plan.file_bytes);
+  json["seconds"] = prediction_json(plan.seconds);
+  json["memory_bytes"] = prediction_json(plan.memory_bytes);
+  json["file_bytes"] = prediction_json(plan.file_bytes);
   json["meets"] = plan.meets;
   if (!plan.meets) json["limited_by"] = plan.limited_by;
   json["pilots"] = Json::array();
@@ -174,10 +163,10 @@ std::string plan_text(const GridPlan& plan, double target) {
   std::string text = fmt::format("plan: {}, {:.4g} x {:.4g} x {:.4g} m apart, {} photons\n", count, frame.spacing_m.x,
                                  frame.spacing_m.y, frame.spacing_m.z, format_count(double(plan.photons)));
   if (plan.error.expected > 0) {
-    text += fmt::format("error {}: bias {}, noise {}; asked for {}\n", range_text(plan.error, format_share),
-                        format_share(plan.bias), format_share(plan.noise), format_share(target));
-    text += fmt::format("time {}, memory {}, file {}\n", range_text(plan.seconds, seconds_text),
-                        range_text(plan.memory_bytes, bytes_text), range_text(plan.file_bytes, bytes_text));
+    text += fmt::format("error {}: bias {}, noise {}; asked for {}\n", share_text(plan.error), format_share(plan.bias),
+                        format_share(plan.noise), format_share(target));
+    text += fmt::format("time {}, memory {}, file {}\n", seconds_text(plan.seconds), bytes_text(plan.memory_bytes),
+                        bytes_text(plan.file_bytes));
     if (plan.direction > 0.5 * plan.error.expected && plan.direction_sh9 &&
         *plan.direction_sh9 < 0.8 * plan.direction) {
       text += fmt::format("the basis alone is {} off; --basis sh9 would be {}\n", format_share(plan.direction),

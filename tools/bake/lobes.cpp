@@ -78,7 +78,7 @@ BakePlan make_plan(const Choice& choice, double seconds_a_node, int samples) {
   plan.seconds = within_factor(seconds_a_node * (nodes + 5.0 * samples + double(certificate_pairs)), 2.5);
   plan.memory_bytes = within_factor(peak_memory_bytes() + 3 * bytes, 1.5);
   plan.file_bytes = {0.85 * bytes, 0.5 * bytes, bytes + 4096};
-  plan.error = predicted_range(choice.predicted);
+  plan.error = predicted_error(choice.predicted);
   return plan;
 }
 

@@ -9,7 +9,7 @@
 
 #include "grid/base/error.h"
 #include "grid/env/irradiance.h"
-#include "grid/env/irradiance_error.h"
+#include "grid/env/irradiance/error.h"
 #include "tools/bake/asset_contract.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
@@ -96,7 +96,7 @@ BakePlan make_plan(const Sh9Choice& choice, const IrradianceTree& tree) {
   plan.seconds = within_factor(each * (cube_faces * truth_size * truth_size + certificate_normals), 2);
   plan.memory_bytes = within_factor(peak_memory_bytes(), 1.3);
   plan.file_bytes = within_factor(4000, 2);
-  plan.error = predicted_range(choice.predicted);
+  plan.error = predicted_error(choice.predicted);
   return plan;
 }
 

@@ -80,7 +80,7 @@ BakePlan make_plan(const Fitted& fitted, double seconds) {
   plan.seconds = within_factor(1.1 * seconds, 1.6);
   plan.memory_bytes = within_factor(peak_memory_bytes(), 1.3);
   plan.file_bytes = within_factor(1300 + 48 * count, 1.8);
-  plan.error = predicted_range(fitted.predicted);
+  plan.error = predicted_error(fitted.predicted);
   return plan;
 }
 

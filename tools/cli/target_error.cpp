@@ -8,6 +8,15 @@
 
 namespace ivory {
 
+namespace {
+
+template <typename Text>
+std::string prediction_text(const Prediction& prediction, const Text& text) {
+  return fmt::format("{} ({} to {})", text(prediction.expected), text(prediction.low), text(prediction.high));
+}
+
+}  // namespace
+
 double parse_share(std::string_view option, std::string_view text) {
   const bool percent = text.ends_with('%');
   std::string_view digits = percent ? text.substr(0, text.size() - 1) : text;
@@ -32,6 +41,20 @@ Option add_target_error_option(Command command, std::optional<double>& target, c
 Option add_dry_run_option(Command command, bool& dry_run) {
   return command.add_flag("--dry-run", dry_run, "Say what would be baked, at what cost, and write nothing");
 }
+
+nlohmann::ordered_json prediction_json(const Prediction& prediction) {
+  return {{"low", prediction.low}, {"expected", prediction.expected}, {"high", prediction.high}};
+}
+
+std::string seconds_text(const Prediction& seconds) {
+  return prediction_text(seconds, [](double s) { return s < 100 ? fmt::format("{:.2g} s", s) : format_duration(s); });
+}
+
+std::string bytes_text(const Prediction& bytes) {
+  return prediction_text(bytes, [](double count) { return format_bytes(std::uint64_t(count)); });
+}
+
+std::string share_text(const Prediction& share) { return prediction_text(share, format_share); }
 
 nlohmann::ordered_json certificate_json(const Certificate& certificate) {
   nlohmann::ordered_json json;

@@ -8,6 +8,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "grid/base/certificate.h"
+#include "grid/base/prediction.h"
 #include "tools/cli/options.h"
 
 namespace ivory {
@@ -21,6 +22,13 @@ std::string format_share(double share);
 Option add_target_error_option(Command command, std::optional<double>& target, const std::string& description);
 // --dry-run: says what would be made, and writes nothing.
 Option add_dry_run_option(Command command, bool& dry_run);
+
+// low, expected and high.
+nlohmann::ordered_json prediction_json(const Prediction& prediction);
+// The same for people: "12 s (8 to 19)", of seconds, bytes and shares.
+std::string seconds_text(const Prediction& seconds);
+std::string bytes_text(const Prediction& bytes);
+std::string share_text(const Prediction& share);
 
 // For results and `ivory info`: target (where asked for), error, low, high, met, measure, parts.
 nlohmann::ordered_json certificate_json(const Certificate& certificate);

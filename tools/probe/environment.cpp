@@ -8,7 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include "grid/base/error.h"
-#include "grid/env/irradiance_sum.h"
+#include "grid/env/irradiance/sum.h"
 #include "grid/io/difmap.h"
 #include "grid/io/sh9.h"
 #include "tools/input/file_kind.h"

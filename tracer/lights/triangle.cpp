@@ -5,7 +5,7 @@
 
 #include "tracer/core/sampling.h"
 #include "tracer/core/surface.h"
-#include "tracer/lights/emission_integral.h"
+#include "tracer/lights/emission/integral.h"
 
 namespace ivory {
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
+#include "tracer/lights/emission/mesh.h"
 #include "tracer/lights/lights.h"
-#include "tracer/lights/mesh_emission.h"
 
 namespace ivory {
 

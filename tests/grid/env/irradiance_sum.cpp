@@ -1,6 +1,4 @@
 // Irradiance summed over an environment map's texels: closed forms, quadrature, and the tree's bounds.
-#include "grid/env/irradiance_sum.h"
-
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -10,6 +8,7 @@
 
 #include "grid/env/environment_image.h"
 #include "grid/env/irradiance.h"
+#include "grid/env/irradiance/sum.h"
 #include "grid/env/latlong_map.h"
 
 namespace ivory {

@@ -1,11 +1,10 @@
 // Irradiance through the hierarchy against closed forms and a sum over all texels.
-#include "grid/env/irradiance_tree.h"
-
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
 
+#include "grid/env/irradiance/tree.h"
 #include "grid/env/moments.h"
 
 namespace ivory {

@@ -11,8 +11,8 @@
 #include "tests/support/lights_check.h"
 #include "tracer/bake/field/baker.h"
 #include "tracer/core/sampling.h"
-#include "tracer/lights/emission_integral.h"
-#include "tracer/lights/mesh_emission.h"
+#include "tracer/lights/emission/integral.h"
+#include "tracer/lights/emission/mesh.h"
 #include "tracer/render/probe.h"
 
 namespace ivory {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "grid/base/measured_error.h"
-#include "grid/env/irradiance_tree.h"
+#include "grid/env/irradiance/tree.h"
 #include "grid/env/latlong_map.h"
 #include "grid/fiv/table.h"
 #include "tracer/bake/fiv/occluder.h"

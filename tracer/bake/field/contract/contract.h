@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "grid/base/prediction.h"
 #include "tracer/bake/field/baker.h"
 #include "tracer/bake/field/contract/certificate.h"
 #include "tracer/bake/field/contract/plan.h"
@@ -29,24 +30,19 @@ struct ContractParams {
 };
 
 // What is going to be baked, with the range that each prediction is good for.
-struct Range {
-  double low = 0;
-  double expected = 0;
-  double high = 0;
-};
 struct GridPlan {
   GridFrame frame;  // of the finest level
   int levels = 1;
   std::size_t vertices = 0;
   std::uint64_t photons = 0;
-  Range error;      // share of mean E
-  double bias = 0;  // of it, shares likewise
+  Prediction error;  // share of mean E
+  double bias = 0;   // of it, shares likewise
   double noise = 0;
   double direction = 0;                 // part of the bias
   std::optional<double> direction_sh9;  // what that would be with basis sh9
-  Range seconds;                        // of bake and certificate, by the pilots' clock
-  Range memory_bytes;                   // of the bake
-  Range file_bytes;
+  Prediction seconds;                   // of bake and certificate, by the pilots' clock
+  Prediction memory_bytes;              // of the bake
+  Prediction file_bytes;
   bool meets = false;      // does it promise the target?
   std::string limited_by;  // where not: by what
   std::vector<PilotErrors> pilots;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "tracer/core/sampler.h"
-#include "tracer/lights/emission_map.h"
+#include "tracer/lights/emission/map.h"
 
 namespace ivory {
 

@@ -1,4 +1,4 @@
-#include "grid/env/irradiance_sum.h"
+#include "grid/env/irradiance/sum.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 // Radiance of emissive texels that alpha covers, by the filters of both textures.
 #pragma once
 
-#include "tracer/lights/emission_map.h"
+#include "tracer/lights/emission/map.h"
 
 namespace ivory {
 

@@ -1,4 +1,4 @@
-#include "tracer/lights/emission_map.h"
+#include "tracer/lights/emission/map.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <tbb/parallel_for.h>
 
 #include "tracer/core/texture.h"
-#include "tracer/lights/covered_cell.h"
+#include "tracer/lights/emission/covered_cell.h"
 
 namespace ivory {
 

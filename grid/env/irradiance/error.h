@@ -7,7 +7,7 @@
 #include "grid/base/measured_error.h"
 #include "grid/env/cube_map.h"
 #include "grid/env/environment_image.h"
-#include "grid/env/irradiance_tree.h"
+#include "grid/env/irradiance/tree.h"
 #include "grid/env/sh9.h"
 
 namespace ivory {

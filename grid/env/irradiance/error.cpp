@@ -1,11 +1,11 @@
-#include "grid/env/irradiance_error.h"
+#include "grid/env/irradiance/error.h"
 
 #include <algorithm>
 
 #include <tbb/parallel_for.h>
 
 #include "grid/base/counted_random.h"
-#include "grid/env/irradiance_sum.h"
+#include "grid/env/irradiance/sum.h"
 
 namespace ivory {
 

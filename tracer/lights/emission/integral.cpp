@@ -1,4 +1,4 @@
-#include "tracer/lights/emission_integral.h"
+#include "tracer/lights/emission/integral.h"
 
 #include <algorithm>
 #include <array>

@@ -1,8 +1,8 @@
 // The light of a textured triangle, and the weights by which points on it are chosen.
 #pragma once
 
-#include "tracer/lights/emission_map.h"
-#include "tracer/lights/texel_polygon.h"
+#include "tracer/lights/emission/map.h"
+#include "tracer/lights/emission/texel_polygon.h"
 
 namespace ivory {
 

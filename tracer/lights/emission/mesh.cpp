@@ -1,4 +1,4 @@
-#include "tracer/lights/mesh_emission.h"
+#include "tracer/lights/emission/mesh.h"
 
 #include <algorithm>
 #include <array>
@@ -12,7 +12,7 @@
 
 #include "grid/base/memory.h"
 #include "tracer/core/sampling.h"
-#include "tracer/lights/emission_integral.h"
+#include "tracer/lights/emission/integral.h"
 
 namespace ivory {
 

@@ -1,4 +1,4 @@
-#include "grid/env/irradiance_tree.h"
+#include "grid/env/irradiance/tree.h"
 
 #include <algorithm>
 #include <cassert>

@@ -8,7 +8,7 @@
 #include <cstddef>
 
 #include "grid/base/types.h"
-#include "tracer/lights/cell_axis.h"
+#include "tracer/lights/emission/cell_axis.h"
 
 namespace ivory {
 

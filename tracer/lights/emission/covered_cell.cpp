@@ -1,4 +1,4 @@
-#include "tracer/lights/covered_cell.h"
+#include "tracer/lights/emission/covered_cell.h"
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "tracer/lights/cell_axis.h"
+#include "tracer/lights/emission/cell_axis.h"
 
 namespace ivory {
 
