@@ -34,6 +34,16 @@ struct GridFrame {
   // Between world positions in metres and index coordinates.
   V3f to_index(const V3f& p_world) const { return direction_to_local(p_world - origin_m) / spacing_m; }
   V3f to_world(const V3f& p_index) const { return origin_m + direction_to_world(p_index * spacing_m); }
+  // Does some vertex's cell hold the position? To a thousandth of a voxel, as surfaces may lie in the grid's faces.
+  bool covers(const V3f& p_world) const {
+    const V3f index = to_index(p_world);
+    constexpr float half = 0.501F;
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!(index[axis] >= -half && index[axis] <= float(size[axis] - 1) + half)) return false;
+    }
+    return true;
+  }
+
   // Between world axes and the grid's own; lengths stay. local_to_world is a rotation: its transpose is its inverse.
   V3f direction_to_local(const V3f& w) const {
     const M33f& m = local_to_world;

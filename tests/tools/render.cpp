@@ -139,6 +139,25 @@ TEST_F(RenderCommand, SaysWhatItIgnores) {
   EXPECT_EQ(run_ivory(command + " --force --quiet").output, "");
 }
 
+// A grid of the far room alone has no light for the near one, nor any vertex that sees into it.
+TEST_F(RenderCommand, SaysWhereTheGridHasNoLight) {
+  const std::string rooms = scene("two_rooms.gltf");
+  const auto warnings = [&](const std::string& bounds) {
+    run("bake grid " + rooms + " -o " + path("g.vdb") + " --resolution 8 --photons 10k --force" + bounds);
+    const RunResult drawn = run_ivory("render " + rooms + " --method direct --grid " + path("g.vdb") + " -o " +
+                                          path("a.exr") + " --size 32x24 --samples 1 --json --quiet --force",
+                                      false);
+    const auto result = nlohmann::json::parse(drawn.output);
+    EXPECT_EQ(result.contains("grid_unseen_share"), !bounds.empty());
+    EXPECT_EQ(result.contains("grid_outside_share"), !bounds.empty());
+    return result.at("warnings").dump();
+  };
+  EXPECT_EQ(warnings(""), "[]");
+  const std::string far = warnings(" --bounds=-2,0,4:2,3,8");
+  EXPECT_NE(far.find("no vertex sees"), std::string::npos) << far;
+  EXPECT_NE(far.find("outside the grid"), std::string::npos) << far;
+}
+
 // A sky is a light like any other: indirect light of one under another is wrong everywhere.
 TEST_F(RenderCommand, RefusesAssetsOfOtherEnvironments) {
   const std::string furnace = scene("furnace_box.gltf");

@@ -117,9 +117,10 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const Command& command,
   params.threads = thread_count(common);
   std::optional<IrradianceGrid> grid;
   GridLight light;
+  LookupTally tally;
   if (!options.grid->grid.empty()) {
     grid = load_grid(*options.grid, input, common);
-    light = {&*grid, options.grid->lookup};
+    light = {&*grid, options.grid->lookup, &tally};
     params.grid = &light;
   }
   const auto start = std::chrono::steady_clock::now();
@@ -129,7 +130,9 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const Command& command,
     params.progress = [&](double fraction) { progress.update(std::uint64_t(fraction * double(total)), total); };
     return capture_cube(input.lit, to_local(options.at, input.lit.scene->anchor_m), params);
   }();
-  const std::vector<std::string> warnings = judge(options, capture, *input.lit.scene);
+  std::vector<std::string> warnings = judge(options, capture, *input.lit.scene);
+  const std::vector<std::string> doubts = doubts_about(tally, *options.grid);
+  warnings.insert(warnings.end(), doubts.begin(), doubts.end());
   print_warnings(common, warnings);
   const auto seconds_since = [](std::chrono::steady_clock::time_point from) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - from).count();
@@ -162,7 +165,10 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const Command& command,
   m["version"] = std::string(IVORY_VERSION);
   m["method"] = std::string("localized cube map");
   m["indirect"] = std::string(grid ? "grid" : "path");
-  if (grid) describe(*options.grid, m);
+  if (grid) {
+    describe(*options.grid, m);
+    describe(tally, m);
+  }
   m["capture_size"] = std::int64_t(options.capture);
   m["samples"] = std::int64_t(options.samples);
   m["seed"] = std::int64_t(options.seed);

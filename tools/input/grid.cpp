@@ -62,4 +62,31 @@ void describe(const GridInputOptions& options, Metadata& metadata) {
   metadata["reconstruction"] = std::string(name_of(options.lookup.reconstruction));
 }
 
+namespace {
+
+double share_of(std::int64_t count, const LookupTally& tally) {
+  return tally.lookups() > 0 ? double(count) / double(tally.lookups()) : 0;
+}
+
+}  // namespace
+
+void describe(const LookupTally& tally, Metadata& metadata) {
+  if (tally.unseen() > 0) metadata["grid_unseen_share"] = share_of(tally.unseen(), tally);
+  if (tally.outside() > 0) metadata["grid_outside_share"] = share_of(tally.outside(), tally);
+}
+
+std::vector<std::string> doubts_about(const LookupTally& tally, const GridInputOptions& options) {
+  constexpr double worth_a_word = 1e-3;
+  std::vector<std::string> doubts;
+  if (const double share = share_of(tally.unseen(), tally); share > worth_a_word)
+    doubts.push_back(
+        fmt::format("{}: no vertex sees the place of {:.2g} % of the look-ups, and they read 0: bake with a finer "
+                    "--voxel-size or wider --bounds",
+                    options.grid, 100 * share));
+  if (const double share = share_of(tally.outside(), tally); share > worth_a_word)
+    doubts.push_back(fmt::format("{}: {:.2g} % of the look-ups lie outside the grid and read its nearest vertices",
+                                 options.grid, 100 * share));
+  return doubts;
+}
+
 }  // namespace ivory

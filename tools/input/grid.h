@@ -35,4 +35,10 @@ IrradianceGrid load_grid(const GridInputOptions& options, const SceneInput& inpu
 
 void describe(const GridInputOptions& options, Metadata& metadata);
 
+// What is to be said of a grid's look-ups. In the metadata, where there are such: grid_unseen_share, of those that no
+// vertex sees and that read 0, and grid_outside_share, of those outside the grid, which its nearest vertices answer. A
+// line each where it is more than a thousandth.
+void describe(const LookupTally& tally, Metadata& metadata);
+std::vector<std::string> doubts_about(const LookupTally& tally, const GridInputOptions& options);
+
 }  // namespace ivory

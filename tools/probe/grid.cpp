@@ -80,14 +80,7 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
     out.standard_error[i] = irradiance_standard_error(grid, footprint, unmet_lux.value_or(0));
     if (is_black(out.standard_error[i])) out.standard_error[i] = Rgb(unknown, unknown, unknown);
   });
-  const auto outside = std::count_if(points.begin(), points.end(), [&](const V3f& p) {
-    const V3f index = grid.frame.to_index(p);
-    for (int axis = 0; axis < 3; ++axis) {
-      // A vertex' cell reaches half a spacing beyond it.
-      if (!(index[axis] >= -0.5F && index[axis] <= float(grid.frame.size[axis]) - 0.5F)) return true;
-    }
-    return false;
-  });
+  const auto outside = std::count_if(points.begin(), points.end(), [&](const V3f& p) { return !grid.frame.covers(p); });
   if (scene) out.warnings = scene->warnings;
   if (outside > 0) {
     out.doubts.push_back(

@@ -21,7 +21,7 @@ struct CubemapOptions {
   std::shared_ptr<GridInputOptions> grid;
 };
 
-Film render_cubemap(const CubemapOptions& options, const RenderRequest& request) {
+Rendered render_cubemap(const CubemapOptions& options, const RenderRequest& request) {
   const CommonOptions& common = request.common;
   LocalizedCube cube = read_localized_cube(options.path);
   set_anchor(cube, request.input.lit.scene->anchor_m);
@@ -34,12 +34,17 @@ Film render_cubemap(const CubemapOptions& options, const RenderRequest& request)
   params.is_object = request.is_object;
   std::optional<IrradianceGrid> grid;
   GridLight light;
+  LookupTally tally;
   if (!options.grid->grid.empty()) {
     grid = load_grid(*options.grid, request.input, common);
-    light = {&*grid, options.grid->lookup};
+    light = {&*grid, options.grid->lookup, &tally};
     params.grid = &light;
   }
-  return render_with_cube(request.input.lit, {&cube, options.lookup}, request.view, request.params, params);
+  Rendered rendered =
+      render_with_cube(request.input.lit, {&cube, options.lookup}, request.view, request.params, params);
+  describe(tally, rendered.found);
+  rendered.doubts = doubts_about(tally, *options.grid);
+  return rendered;
 }
 
 }  // namespace

@@ -18,14 +18,18 @@ struct GatherOptions {
   std::shared_ptr<int> gather;
 };
 
-Film render_grid(const GatherOptions& options, bool gather, const RenderRequest& request) {
+Rendered render_grid(const GatherOptions& options, bool gather, const RenderRequest& request) {
   const IrradianceGrid grid = load_grid(*options.grid, request.input, request.common);
   GatherParams params;
   params.gather_rays = gather ? *options.gather : 0;
   params.indirect_only = request.indirect_only;
   const LitScene& lit = request.input.lit;
-  const GridLight light{&grid, options.grid->lookup};
-  return render_gather(lit, indirect_light(lit, light), request.view, request.params, params);
+  LookupTally tally;
+  const GridLight light{&grid, options.grid->lookup, &tally};
+  Rendered rendered = render_gather(lit, indirect_light(lit, light), request.view, request.params, params);
+  describe(tally, rendered.found);
+  rendered.doubts = doubts_about(tally, *options.grid);
+  return rendered;
 }
 
 RenderMethod make_method(const std::shared_ptr<GatherOptions>& options, bool gather) {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "grid/base/metadata.h"
@@ -25,6 +26,14 @@ struct RenderRequest {
   const CommonOptions& common;
 };
 
+// A picture, and what was found while it was made.
+struct Rendered {
+  Rendered(Film picture) : film(std::move(picture)) {}  // NOLINT: most methods find nothing besides
+  Film film;
+  Metadata found;                   // for the picture's attributes and the result
+  std::vector<std::string> doubts;  // what looks wrong
+};
+
 struct RenderMethod {
   std::string name;
   std::string summary;               // for the help of --method: "reference path tracer"
@@ -34,7 +43,7 @@ struct RenderMethod {
   bool direct_only = false;        // does it leave out all indirect light?
   std::function<void()> check;     // throws UsageError for what its options lack; runs before the scene is loaded
   std::function<void(Scene&)> extend;  // adds to the loaded scene before anything is built from it; may be empty
-  std::function<Film(const RenderRequest&)> render;
+  std::function<Rendered(const RenderRequest&)> render;
   std::function<void(Metadata&)> describe;  // its parameters, for the picture's attributes
 };
 

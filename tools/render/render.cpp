@@ -71,8 +71,8 @@ std::vector<std::string> judge(const RenderOptions& options, const LitScene& lit
   return warnings;
 }
 
-Film render(const RenderOptions& options, const RenderMethod& method, const SceneInput& input,
-            const std::vector<bool>& is_object, const CommonOptions& common) {
+Rendered render(const RenderOptions& options, const RenderMethod& method, const SceneInput& input,
+                const std::vector<bool>& is_object, const CommonOptions& common) {
   const View view = choose_view(options, input.lit);
   if (input.lit.lights.empty()) print_note(common, fmt::format("warning: nothing in {} emits light", options.scene));
   RenderParams params;
@@ -151,13 +151,16 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
   });
 
   const auto start = std::chrono::steady_clock::now();
-  const Film film = render(options, method, input, is_object, common);
+  const Rendered rendered = render(options, method, input, is_object, common);
+  const Film& film = rendered.film;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
-  const std::vector<std::string> warnings = judge(options, input.lit, film);
+  std::vector<std::string> warnings = judge(options, input.lit, film);
+  warnings.insert(warnings.end(), rendered.doubts.begin(), rendered.doubts.end());
   print_warnings(common, warnings);
 
-  const Metadata metadata = describe(options, method, input);
+  Metadata metadata = describe(options, method, input);
+  metadata.insert(rendered.found.begin(), rendered.found.end());
   const bool any_display = !std::all_of(options.outputs.begin(), options.outputs.end(), is_linear_image);
   const float exposure = options.exposure_stops.value_or(any_display ? auto_exposure(film) : 0);
   for (const std::string& output : options.outputs) {

@@ -109,7 +109,9 @@ struct Gatherer {
 
 IndirectLight indirect_light(const LitScene& lit, const GridLight& grid) {
   return [&lit, &grid](const Surface& surface) {
-    return lookup_irradiance(*grid.grid, &lit.intersector, surface.p, surface.ng, surface.ns, grid.lookup);
+    const Footprint footprint = lookup_footprint(*grid.grid, &lit.intersector, surface.p, surface.ng, grid.lookup);
+    if (grid.tally != nullptr) grid.tally->add(footprint.count > 0, grid.grid->frame.covers(surface.p));
+    return irradiance(*grid.grid, footprint, surface.ns, grid.lookup.reconstruction);
   };
 }
 

@@ -6,6 +6,7 @@
 
 #include "grid/field/irradiance_grid.h"
 #include "tracer/render/direct_light.h"
+#include "tracer/render/lookup_tally.h"
 #include "tracer/render/render.h"
 
 namespace ivory {
@@ -14,6 +15,7 @@ namespace ivory {
 struct GridLight {
   const IrradianceGrid* grid = nullptr;
   LookupParams lookup{.guard = Guard::rays};
+  LookupTally* tally = nullptr;  // counts the look-ups, where given
 };
 
 // E in lux of indirect light at a surface, from whatever stores it. Called from any thread.

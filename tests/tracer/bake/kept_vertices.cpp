@@ -22,6 +22,25 @@ Scene tilted_square() {
   return scene;
 }
 
+// A floor that reaches a million voxels past the grid keeps what one of twice the grid's size keeps: the cells beside
+// it and, as for any surface outside, none more than those that are nearest.
+TEST(KeptVertices, FloorsOfAnySizeKeepTheSame) {
+  GridFrame frame;
+  frame.size = V3i(24, 12, 20);
+  frame.spacing_m = V3f(0.1F, 0.1F, 0.1F);
+  frame.origin_m = V3f(-1.2F, 0.05F, -1);
+  const auto kept_over = [&](float side_m) {
+    Scene scene;
+    const int white = add_lambert(scene, Rgb(0.5F, 0.5F, 0.5F));
+    add_mesh(scene, make_quad(V3f(-side_m, 0, -side_m), V3f(0, 0, 2 * side_m), V3f(2 * side_m, 0, 0), white));
+    return kept_vertices(scene, frame, {});
+  };
+  const auto small = kept_over(5);
+  EXPECT_EQ(kept_over(1e5F), small);
+  for (std::size_t v = 0; v < small.size(); ++v)
+    EXPECT_EQ(small[v], frame.vertex_coordinates(v).y <= guard_band_voxels);
+}
+
 // Against distances to the plane, for every vertex.
 TEST(KeptVertices, BandAroundATiltedSquare) {
   const Scene scene = tilted_square();

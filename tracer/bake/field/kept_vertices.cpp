@@ -1,26 +1,51 @@
 #include "tracer/bake/field/kept_vertices.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace ivory {
 namespace {
 
-// Marks the cells that hold points of the triangle, taken at most half a voxel apart. Coordinates are
-// shifted by one half, so that vertex i's cell is [i, i + 1).
-void mark_triangle(const V3f& a, const V3f& b, const V3f& c, const GridFrame& frame, std::vector<bool>& marked) {
-  const float longest = std::max({(b - a).length(), (c - a).length(), (c - b).length()});
-  const auto steps = std::max(1, static_cast<int>(std::ceil(longest * 2)));
-  for (int i = 0; i <= steps; ++i) {
-    for (int j = 0; j <= steps - i; ++j) {
-      const V3f p = a + (b - a) * (static_cast<float>(i) / static_cast<float>(steps)) +
-                    (c - a) * (static_cast<float>(j) / static_cast<float>(steps));
-      V3i cell;
-      for (unsigned axis = 0; axis < 3; ++axis)
-        cell[axis] = std::clamp(static_cast<int>(std::floor(p[axis])), 0, frame.size[axis] - 1);
-      marked[frame.vertex_index(cell.x, cell.y, cell.z)] = true;
+// Marks the cells that hold points of the triangle, taken at most half a voxel apart; points outside count for the
+// outermost cells, which answer there. Coordinates are shifted by one half, so that vertex i's cell is [i, i + 1).
+//
+// The triangle is halved until its corners, drawn to the grid's box, lie so near each other; drawing to the box keeps
+// order along each axis, so its other points lie between them. However far it reaches outside, the work goes by what it
+// marks.
+void mark_triangle(const std::array<V3d, 3>& corners, const GridFrame& frame, std::vector<bool>& marked) {
+  constexpr double apart = 0.5;
+  std::array<V3d, 3> drawn;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (int axis = 0; axis < 3; ++axis)
+      drawn[i][axis] = std::clamp(corners[i][axis], 0.0, static_cast<double>(frame.size[axis]));
+  }
+  double longest = 0;
+  std::size_t from = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const V3d edge = drawn[(i + 1) % 3] - drawn[i];
+    const double length = std::max({std::abs(edge.x), std::abs(edge.y), std::abs(edge.z)});
+    if (length > longest) {
+      longest = length;
+      from = i;
     }
   }
+  if (longest <= apart) {
+    for (const V3d& p : drawn) {
+      V3i cell;
+      for (int axis = 0; axis < 3; ++axis) cell[axis] = std::min(static_cast<int>(p[axis]), frame.size[axis] - 1);
+      marked[frame.vertex_index(cell.x, cell.y, cell.z)] = true;
+    }
+    return;
+  }
+  const std::size_t to = (from + 1) % 3;
+  const V3d middle = (corners[from] + corners[to]) * 0.5;
+  std::array<V3d, 3> half = corners;
+  half[to] = middle;
+  mark_triangle(half, frame, marked);
+  half = corners;
+  half[from] = middle;
+  mark_triangle(half, frame, marked);
 }
 
 // Spreads marks by `reach` vertices along one axis: three passes make a cube.
@@ -69,9 +94,9 @@ std::vector<bool> kept_vertices(const Scene& scene, const GridFrame& frame, cons
   for (const Instance& instance : scene.instances) {
     const Mesh& mesh = scene.meshes[std::size_t(instance.mesh)];
     const auto index_of = [&](std::uint32_t vertex) {
-      return frame.to_index(mesh.positions[vertex] * instance.to_world) + V3f(0.5F, 0.5F, 0.5F);
+      return V3d(frame.to_index(mesh.positions[vertex] * instance.to_world)) + V3d(0.5, 0.5, 0.5);
     };
-    for (const auto& t : mesh.triangles) mark_triangle(index_of(t.x), index_of(t.y), index_of(t.z), frame, marked);
+    for (const auto& t : mesh.triangles) mark_triangle({index_of(t.x), index_of(t.y), index_of(t.z)}, frame, marked);
   }
   for (unsigned axis = 0; axis < 3; ++axis) marked = spread(marked, frame, axis, guard_band_voxels);
   for (const Box3f& region : dynamic_regions) mark_region(region, frame, marked);
