@@ -16,7 +16,7 @@
 #include "tracer/bake/field/baker.h"
 #include "tracer/bake/field/photon_deposit.h"
 #include "tracer/bake/field/vertex_visibility.h"
-#include "tracer/render/photon_tracer.h"
+#include "tracer/render/photons/tracer.h"
 
 namespace ivory {
 namespace {

@@ -7,7 +7,7 @@
 #include "tools/cli/common.h"
 #include "tools/render/method.h"
 #include "tracer/render/final_gather.h"
-#include "tracer/render/photon_map.h"
+#include "tracer/render/photons/map.h"
 
 namespace ivory {
 

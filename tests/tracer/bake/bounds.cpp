@@ -14,7 +14,7 @@
 #include "tests/support/statistics.h"
 #include "tools/stability/scene_builder.h"
 #include "tracer/bake/field/baker.h"
-#include "tracer/render/photon_map.h"
+#include "tracer/render/photons/map.h"
 
 namespace ivory {
 namespace {

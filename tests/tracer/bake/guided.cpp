@@ -16,7 +16,7 @@
 #include "tracer/bake/field/baker.h"
 #include "tracer/bake/field/pilot.h"
 #include "tracer/lights/sphere.h"
-#include "tracer/render/photon_tracer.h"
+#include "tracer/render/photons/tracer.h"
 
 namespace ivory {
 namespace {

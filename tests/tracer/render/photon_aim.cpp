@@ -1,5 +1,3 @@
-#include "tracer/render/photon_aim.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -8,6 +6,7 @@
 #include "tests/support/statistics.h"
 #include "tracer/core/sampler.h"
 #include "tracer/core/sampling.h"
+#include "tracer/render/photons/aim.h"
 
 namespace ivory {
 namespace {

@@ -1,6 +1,4 @@
 // The photon map against closed forms and against the path tracer.
-#include "tracer/render/photon_map.h"
-
 #include <cmath>
 #include <vector>
 
@@ -9,7 +7,8 @@
 #include "grid/base/error.h"
 #include "tests/support/lit_scene.h"
 #include "tools/stability/fiv_shapes.h"
-#include "tracer/render/photon_tracer.h"
+#include "tracer/render/photons/map.h"
+#include "tracer/render/photons/tracer.h"
 #include "tracer/render/probe.h"
 
 namespace ivory {

@@ -8,7 +8,7 @@
 
 #include "grid/field/accumulator.h"
 #include "tracer/bake/field/track_samples.h"
-#include "tracer/render/photon_tracer.h"
+#include "tracer/render/photons/tracer.h"
 
 namespace ivory {
 

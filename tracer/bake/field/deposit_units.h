@@ -16,7 +16,7 @@
 #include <limits>
 #include <thread>
 
-#include "tracer/render/photon_tracer.h"
+#include "tracer/render/photons/tracer.h"
 
 namespace ivory {
 

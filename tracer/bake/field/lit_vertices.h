@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "grid/field/irradiance_grid.h"
-#include "tracer/render/photon_tracer.h"
+#include "tracer/render/photons/tracer.h"
 
 namespace ivory {
 

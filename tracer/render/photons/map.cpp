@@ -1,4 +1,4 @@
-#include "tracer/render/photon_map.h"
+#include "tracer/render/photons/map.h"
 
 #include <algorithm>
 #include <bit>
@@ -17,7 +17,7 @@
 
 #include "grid/base/error.h"
 #include "grid/base/memory.h"
-#include "tracer/render/photon_tracer.h"
+#include "tracer/render/photons/tracer.h"
 
 // Where photons of power Phi_i land on a surface like rain, E is their density: with r the distance to the K-th
 // nearest of them, the K - 1 nearer ones give

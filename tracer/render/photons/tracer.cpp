@@ -1,4 +1,4 @@
-#include "tracer/render/photon_tracer.h"
+#include "tracer/render/photons/tracer.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "tracer/render/photon_aim.h"
+#include "tracer/render/photons/aim.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "tracer/core/lit_scene.h"
-#include "tracer/render/photon_aim.h"
-#include "tracer/render/photon_window.h"
+#include "tracer/render/photons/aim.h"
+#include "tracer/render/photons/window.h"
 
 namespace ivory {
 
