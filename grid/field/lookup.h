@@ -18,20 +18,23 @@ float nudge_m(const GridFrame& frame, const LookupParams& params);
 // gaps that no vertex sees into. (Such gaps of a cluttered room, 8 to 32 vertices long, had 0.15 to 0.18 of its mean
 // light. The vertex least hidden by its planes answered 0.34 to 0.88.)
 inline constexpr float enough_weight = 0.25F;
+//
+// helped_footprint() does so for `near`, the trilinear one, of which `kept` is left.
+template <typename Visible>
+Footprint helped_footprint(const IrradianceGrid& grid, int level, const LookupPoint& at, const Footprint& near,
+                           float kept, const Visible& visible) {
+  if (kept >= enough_weight) return near;
+  Footprint wide = make_footprint(grid, level, at, Interpolation::tricubic);
+  if (restrict_footprint(grid, visible(wide, kept > 0 ? &near : nullptr), wide) > 0)
+    return blend(near, wide, kept / enough_weight);
+  return kept > 0 ? near : Footprint{};
+}
 template <typename Visible>
 Footprint guarded_level_footprint(const IrradianceGrid& grid, int level, const LookupPoint& at,
                                   Interpolation interpolation, const Visible& visible) {
   Footprint footprint = make_footprint(grid, level, at, interpolation);
   const float kept = restrict_footprint(grid, visible(footprint, nullptr), footprint);
-  if (kept >= enough_weight) return footprint;
-
-  if (interpolation == Interpolation::trilinear) {
-    Footprint wide = make_footprint(grid, level, at, Interpolation::tricubic);
-    if (restrict_footprint(grid, visible(wide, kept > 0 ? &footprint : nullptr), wide) > 0) {
-      footprint = blend(footprint, wide, kept / enough_weight);
-      return footprint;
-    }
-  }
+  if (interpolation == Interpolation::trilinear) return helped_footprint(grid, level, at, footprint, kept, visible);
   if (kept == 0) footprint.count = 0;
   return footprint;
 }
@@ -55,27 +58,39 @@ Footprint guarded_footprint(const IrradianceGrid& grid, const LookupPoint& at, I
       grid, at, [&](int level) { return guarded_level_footprint(grid, level, at, interpolation, visible); });
 }
 
-// The footprint of Interpolation::fitted at at.p: of each level the vertices read as above, and those of a second,
-// trilinear footprint one voxel farther off. far(level, near) answers that one, restricted, and how much it counts, 0
-// to
-// 1. It has 0.3 of the weight before the fit.
+// The footprint of Interpolation::fitted at at.p: of each level the vertices that read_near(level) answers, as above,
+// and those of a second, trilinear footprint one voxel farther off. far(level, near) answers that one, restricted, and
+// how much it counts, 0 to 1. It has 0.3 of the weight before the fit.
 inline constexpr float far_weight = 0.3F;
 struct FarReading {
   Footprint footprint;
   float share = 0;
 };
-template <typename Visible, typename Far>
-Footprint fitted_footprint(const IrradianceGrid& grid, const LookupPoint& at, const Visible& visible, const Far& far) {
+template <typename ReadNear, typename Far>
+Footprint fitted_footprint(const IrradianceGrid& grid, const LookupPoint& at, const ReadNear& read_near,
+                           const Far& far) {
   return footprint_of_levels(grid, at, [&](int level) {
-    const Footprint near = guarded_level_footprint(grid, level, at, Interpolation::trilinear, visible);
+    const Footprint near = read_near(level);
     if (near.count == 0) return near;
     const FarReading reading = far(level, near);
     return fit_linear(grid, level, at.p, blend(near, reading.footprint, 1 - far_weight * reading.share));
   });
 }
 
+// By the stored planes: what the eight vertices around the point say that are let see it, and where from. Where what is
+// read cannot see p, the point is moved off it by closer_share of the nudge alone, if any vertex sees it there.
+inline constexpr float closer_share = 0.125F;
+LookupPoint closer_point(const LookupPoint& at);
+struct NearReading {
+  LookupPoint at;       // as it was asked for, or closer
+  Footprint footprint;  // restricted to the vertices that see it
+  float kept = 0;       // their weight; 0: none does
+};
+NearReading read_near(const IrradianceGrid& grid, int level, const LookupPoint& at);
+
 // The footprint that a look-up at surface point p (world, m; unit geometric normal ng on the lit side) reads, by the
-// stored planes or without guard: p is nudged off the surface along ng by params.nudge_voxels. params.guard is planes
+// stored planes or without guard: p is nudged off the surface along ng by params.nudge_voxels (by planes less where a
+// wall is nearer: read_near()). params.guard is planes
 // or off. Without entries where no vertex sees p.
 Footprint lookup_footprint(const IrradianceGrid& grid, const V3f& p, const V3f& ng, const LookupParams& params);
 

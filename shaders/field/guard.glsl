@@ -14,18 +14,6 @@ vec4 ivory_guard_unpack(uint word) {
   return vec4(n * inversesqrt(dot(n, n)), distance_voxels);
 }
 
-float ivory_hidden_by_plane(uint word, vec3 u) {
-  vec4 plane = ivory_guard_unpack(word);
-  return word < ivory_no_guard_plane ? -3.402823e38 : dot(plane.xyz, u) - plane.w;
-}
-
-// How far, in voxels, the point at offset u (voxels, along the grid's axes) from the vertex lies beyond the plane that
-// hides it most: positive where the vertex does not see it, very negative where no plane is set.
-float ivory_hidden_by(uvec4 record, vec3 u) {
-  return max(max(ivory_hidden_by_plane(record.x, u), ivory_hidden_by_plane(record.y, u)),
-             max(ivory_hidden_by_plane(record.z, u), ivory_hidden_by_plane(record.w, u)));
-}
-
 // Did any light come to the vertex? The order of the words says so: runtime/assets/irradiance_grid.cpp.
 bool ivory_guard_lit(uvec4 record) { return record.x >= record.w; }
 
@@ -36,4 +24,11 @@ vec4 ivory_guard_plane(uint word) {
 mat4 ivory_unpacked_guard(uvec4 record) {
   return mat4(ivory_guard_plane(record.x), ivory_guard_plane(record.y), ivory_guard_plane(record.z),
               ivory_guard_plane(record.w));
+}
+
+// How far, in voxels, the point at offset u (voxels, along the grid's axes) from the vertex lies beyond the plane that
+// hides it most: positive where the vertex does not see it, very negative where no plane is set.
+float ivory_hidden_by(mat4 planes, vec3 u) {
+  vec4 beyond = vec4(u, -1.0) * planes;
+  return max(max(beyond.x, beyond.y), max(beyond.z, beyond.w));
 }

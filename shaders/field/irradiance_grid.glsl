@@ -20,11 +20,8 @@
 // struct, which saves what a driver makes of branches not taken: #define IVORY_GRID_BASIS and so on before this file
 // (runtime/assets/irradiance_grid.h: grid_defines()).
 #include "field/basis.glsl"
-#include "field/guard.glsl"
-#include "field/levels.glsl"
+#include "field/yield.glsl"
 
-// Weights below are rounding noise once renormalised.
-const float ivory_grid_least_weight = 1e-4;
 // Where the vertices that see p hold less of the weight than this, others help.
 const float ivory_grid_enough_weight = 0.25;
 
@@ -44,46 +41,6 @@ vec3 ivory_grid_filtered(IvoryGrid g, sampler3D volumes, int f, vec3 index) {
 float ivory_grid_filtered_trust(IvoryGrid g, sampler3D trust, vec3 index) {
   vec3 size = vec3(IVORY_GRID_LEVELS == 1 ? g.size : textureSize(trust, 0));
   return textureLod(trust, (index + 0.5) / size, 0.0).r;
-}
-
-// The vertices that one axis contributes, from `first` on, and their weights: two or four.
-void ivory_axis_footprint(float x, int size, int interpolation, out int first, out vec4 weight) {
-  float clamped = clamp(x, 0.0, float(size - 1));
-  int base = min(int(clamped), size - 2);
-  float t = clamped - float(base);
-  float s = 1.0 - t;
-  if (interpolation == ivory_trilinear) {
-    first = base;
-    weight = vec4(s, t, 0.0, 0.0);
-  } else {
-    first = base - 1;
-    weight = vec4(s * s * s, 4.0 - 6.0 * t * t + 3.0 * t * t * t, 4.0 - 6.0 * s * s + 3.0 * s * s * s, t * t * t) / 6.0;
-  }
-}
-
-// The vertices that a look-up reads: entry e is vertex first + (e % width, e / width % width, e / width^2), beyond the
-// border the outermost one instead.
-struct IvoryFootprint {
-  ivec3 first;
-  vec4 x;  // weights along the axes
-  vec4 y;
-  vec4 z;
-  bool wide;  // 64 entries, else 8
-};
-IvoryFootprint ivory_make_footprint(IvoryGrid g, vec3 index, int interpolation) {
-  IvoryFootprint footprint;
-  ivory_axis_footprint(index.x, g.size.x, interpolation, footprint.first.x, footprint.x);
-  ivory_axis_footprint(index.y, g.size.y, interpolation, footprint.first.y, footprint.y);
-  ivory_axis_footprint(index.z, g.size.z, interpolation, footprint.first.z, footprint.z);
-  footprint.wide = interpolation == ivory_tricubic;
-  return footprint;
-}
-int ivory_footprint_count(IvoryFootprint footprint) { return footprint.wide ? 64 : 8; }
-
-void ivory_footprint_entry(IvoryGrid g, IvoryFootprint footprint, int e, out ivec3 vertex, out float weight) {
-  ivec3 at = footprint.wide ? ivec3(e & 3, (e >> 2) & 3, e >> 4) : ivec3(e & 1, (e >> 1) & 1, e >> 2);
-  vertex = clamp(footprint.first + at, ivec3(0), g.size - 1);
-  weight = footprint.z[at.z] * footprint.y[at.y] * footprint.x[at.x];
 }
 
 // Without guard the weights are the filter's own: values and trust, each filtered, then divided. Trilinear is one fetch
@@ -129,167 +86,32 @@ void ivory_grid_unguarded(IvoryGrid g, sampler3D volumes, sampler3D trust, vec3 
   for (int f = 0; f < 12; ++f) m[f] *= factor;
 }
 
-// Sets of up to 64 entries.
-uvec2 ivory_entry_bit(int e) { return uvec2(e < 32 ? 1u << uint(e) : 0u, e < 32 ? 0u : 1u << uint(e - 32)); }
-
-// What the guard leaves of a footprint.
-struct IvorySeen {
-  uvec2 entries;  // that see the point
-  float kept;     // their trusted weight
-  bool all;       // no entry that stores something is hidden
+// As read_near(): the eight vertices around the point, or around the closer one where what was read does not see that.
+// A second round of the loop is for few pixels: beside walls, where they face them, and in the dark.
+struct IvoryNear {
+  IvoryNudged at;
+  IvoryFootprint footprint;
+  IvorySeen seen;
 };
-bool ivory_sees(IvorySeen seen, int e) {
-  return (((e < 32 ? seen.entries.x : seen.entries.y) >> uint(e & 31)) & 1u) != 0u;
-}
-
-// What the planes let through, before any gives way (grid/field/yield.h).
-struct IvoryPassed {
-  uvec2 entries;
-  uvec2 lit;        // those of them whose vertices are lit
-  uvec2 in_front;   // all entries whose vertices stand before the surface,
-  uvec2 stored;     // and all that store something
-  float kept;       // trusted weights of `entries` and `lit`
-  float kept_lit;
-  bool yield;       // a lit entry is in front: the unlit give way
-  int witness;      // the heaviest entry in front, and the heaviest that is lit as well; -1: none
-  int lit_witness;
-};
-
-// Grids of one level that are read without guard take another way; of several levels, all vertices are let through.
-bool ivory_grid_has_planes(IvoryGrid g) { return IVORY_GRID_LEVELS == 1 || IVORY_GRID_GUARD == ivory_guard_planes; }
-
-// Planes are fitted within a voxel of their vertex: a wide footprint's vertices do not count behind the surface, which
-// has the unit normal ng and lies g.nudge_m behind the point. A hundredth of a voxel keeps those in its very plane.
-IvoryPassed ivory_passed_by_guard(IvoryGrid g, sampler3D trust, usampler3D guard, vec3 index, vec3 ng,
-                                  IvoryFootprint footprint, int count) {
-  IvoryPassed passed = IvoryPassed(uvec2(0u), uvec2(0u), uvec2(0u), uvec2(0u), 0.0, 0.0, false, -1, -1);
-  vec3 facing = ng * g.local_to_world * g.spacing_m;
-  float behind_m = g.nudge_m + 0.01 * min(g.spacing_m.x, min(g.spacing_m.y, g.spacing_m.z));
-  bool at_surface = ng != vec3(0.0);
-  vec2 most = vec2(ivory_grid_least_weight);
-  for (int e = 0; e < count; ++e) {
-    ivec3 vertex;
-    float weight;
-    ivory_footprint_entry(g, footprint, e, vertex, weight);
-    ivec3 texel = ivory_grid_texel(g, guard, vertex);
-    weight *= ivory_texel_trust(trust, texel);
-    vec3 u = index - vec3(vertex);
-    bool behind = dot(facing, u) > behind_m;
-    bool in_front = at_surface && !behind && ivory_grid_has_planes(g);
-    uvec4 record = uvec4(0u);
-    if (ivory_grid_has_planes(g)) record = texelFetch(guard, max(texel, ivec3(0)), 0);
-    bool visible = weight > 0.0 && ivory_hidden_by(record, u) <= 0.0;
-    visible = visible && !(footprint.wide && behind && ivory_grid_has_planes(g));
-    bool lit = visible && ivory_guard_lit(record);
-    uvec2 bit = ivory_entry_bit(e);
-    passed.entries |= visible ? bit : uvec2(0u);
-    passed.lit |= lit ? bit : uvec2(0u);
-    passed.in_front |= in_front ? bit : uvec2(0u);
-    passed.stored |= weight > 0.0 ? bit : uvec2(0u);
-    passed.kept += visible ? weight : 0.0;
-    passed.kept_lit += lit ? weight : 0.0;
-    passed.yield = passed.yield || (lit && in_front && weight >= ivory_grid_least_weight);
-    bool heaviest = visible && in_front && weight > most.x;
-    bool heaviest_lit = lit && in_front && weight > most.y;
-    passed.witness = heaviest ? e : passed.witness;
-    passed.lit_witness = heaviest_lit ? e : passed.lit_witness;
-    most = vec2(heaviest ? weight : most.x, heaviest_lit ? weight : most.y);
-  }
-  return passed;
-}
-
-// Entries of the footprint that the witness, an entry of `near`, does not see by its planes.
-uvec2 ivory_hidden_from(IvoryGrid g, usampler3D guard, IvoryFootprint near, int witness, IvoryFootprint footprint,
-                        int count) {
-  ivec3 from, vertex;
-  float weight;
-  ivory_footprint_entry(g, near, max(witness, 0), from, weight);
-  mat4 planes = ivory_unpacked_guard(texelFetch(guard, max(ivory_grid_texel(g, guard, from), ivec3(0)), 0));
-  uvec2 hidden = uvec2(0u);
-  for (int e = 0; e < count; ++e) {
-    ivory_footprint_entry(g, footprint, e, vertex, weight);
-    vec4 beyond = vec4(vec3(vertex - from), -1.0) * planes;
-    bool hides = max(max(beyond.x, beyond.y), max(beyond.z, beyond.w)) > 0.0;
-    hidden |= hides ? ivory_entry_bit(e) : uvec2(0u);
-  }
-  return hidden;
-}
-
-// The sums of what is left of `passed` once `hidden` are gone.
-IvoryPassed ivory_without(IvoryGrid g, sampler3D trust, usampler3D guard, IvoryFootprint footprint, IvoryPassed passed,
-                          uvec2 hidden, int count) {
-  IvoryPassed left = passed;
-  left.entries &= ~hidden;
-  left.lit &= ~hidden;
-  left.kept = 0.0;
-  left.kept_lit = 0.0;
-  left.yield = false;
-  for (int e = 0; e < count; ++e) {
-    ivec3 vertex;
-    float weight;
-    ivory_footprint_entry(g, footprint, e, vertex, weight);
-    weight *= ivory_texel_trust(trust, ivory_grid_texel(g, guard, vertex));
-    uvec2 bit = ivory_entry_bit(e);
-    bool lit = (left.lit & bit) != uvec2(0u);
-    left.kept += (left.entries & bit) != uvec2(0u) ? weight : 0.0;
-    left.kept_lit += lit ? weight : 0.0;
-    left.yield = left.yield || (lit && (left.in_front & bit) != uvec2(0u) && weight >= ivory_grid_least_weight);
-  }
-  return left;
-}
-IvorySeen ivory_seen(IvoryPassed passed) {
-  uvec2 entries = passed.yield ? passed.lit : passed.entries;
-  return IvorySeen(entries, passed.yield ? passed.kept_lit : passed.kept, (entries & passed.stored) == passed.stored);
-}
-
-// As yield_near(). Most points have no vertex that is in doubt, and take no round of the loops.
-IvorySeen ivory_yield_near(IvoryGrid g, sampler3D trust, usampler3D guard, IvoryFootprint footprint,
-                           IvoryPassed passed) {
-  IvorySeen seen = ivory_seen(passed);
-  int witness = passed.yield ? passed.lit_witness : passed.witness;
-  uvec2 doubtful = seen.entries & ~passed.in_front;
-  bool ask = witness >= 0 && doubtful != uvec2(0u);
-  uvec2 hidden = doubtful & ivory_hidden_from(g, guard, footprint, witness, footprint, ask ? 8 : 0);
-  bool yields = hidden != uvec2(0u);
-  IvoryPassed left = ivory_without(g, trust, guard, footprint, passed, hidden, yields ? 8 : 0);
-  left.yield = passed.yield;  // what gives way to the witness is not in front
-  if (yields) return ivory_seen(left);
-  return seen;
-}
-
-// As yield_wide(). Entries of near_seen are the witnesses, where it has any; `count` is 0 where the footprint is not
-// asked.
-IvorySeen ivory_yield_wide(IvoryGrid g, sampler3D trust, usampler3D guard, IvoryFootprint footprint, int count,
-                           IvoryPassed passed, IvoryFootprint near, IvorySeen near_seen) {
-  uvec2 hidden = uvec2(0u);
-  bool witnessed = near_seen.kept >= ivory_grid_least_weight;
-  int rounds = witnessed && count > 0 ? 8 : 0;
+IvoryNear ivory_read_near(IvoryGrid g, sampler3D trust, usampler3D guard, IvoryNudged at, float stored) {
+  IvoryNear near = IvoryNear(at, ivory_make_footprint(g, at.index, ivory_trilinear), IvorySeen(uvec2(0u), 0.0, true));
+  bool by_planes = IVORY_GRID_GUARD == ivory_guard_planes;
+  bool can_move = by_planes && at.ng != vec3(0.0) && at.off_m > 0.0;
+  int rounds = by_planes || IVORY_GRID_INTERPOLATION == ivory_trilinear ? 1 : 0;
   for (int k = 0; k < rounds; ++k) {
-    ivec3 vertex;
-    float weight;
-    ivory_footprint_entry(g, near, k, vertex, weight);
-    weight *= ivory_texel_trust(trust, ivory_grid_texel(g, guard, vertex));
-    bool heard = ivory_sees(near_seen, k) && weight >= ivory_grid_least_weight * near_seen.kept;
-    hidden |= ivory_hidden_from(g, guard, near, k, footprint, heard ? count : 0);
+    IvoryFootprint eight = ivory_make_footprint(g, at.index, ivory_trilinear);
+    if (IVORY_GRID_LEVELS != 1) {
+      float factor = ivory_stored_factor(g, guard, eight, k == 0 ? 0 : 8);
+      eight.z *= k == 0 ? 1.0 / stored : factor;
+    }
+    IvoryPassed passed = ivory_passed_by_guard(g, trust, guard, at, eight, 8);
+    IvorySeen seen = ivory_yield_near(g, trust, guard, eight, passed);
+    bool sees = seen.kept >= ivory_grid_least_weight;
+    if (k == 0 || sees) near = IvoryNear(at, eight, seen);
+    rounds = k == 0 && can_move && !(sees && ivory_see_closer(passed, seen)) ? 2 : 1;
+    at = ivory_closer(g, at);
   }
-  bool alone = !witnessed && passed.witness >= 0;
-  hidden |= ivory_hidden_from(g, guard, footprint, passed.witness, footprint, alone ? count : 0);
-  return ivory_seen(ivory_without(g, trust, guard, footprint, passed, hidden, count));
-}
-
-// What the footprint's weights are to be multiplied by, so that those of stored vertices add up to one.
-float ivory_stored_factor(IvoryGrid g, usampler3D guard, IvoryFootprint footprint, int count) {
-  float stored = 0.0;
-  bool whole = true;
-  for (int e = 0; e < count; ++e) {
-    ivec3 vertex;
-    float weight;
-    ivory_footprint_entry(g, footprint, e, vertex, weight);
-    bool is_there = ivory_grid_texel(g, guard, vertex).x >= 0;
-    stored += is_there ? weight : 0.0;
-    whole = whole && is_there;
-  }
-  return whole || stored <= 0.0 ? 1.0 : 1.0 / stored;
+  return near;
 }
 
 // As guarded_level_footprint(): the values of the vertices that see the point. Most points are seen by all of theirs, whose
@@ -306,27 +128,26 @@ float ivory_stored_factor(IvoryGrid g, usampler3D guard, IvoryFootprint footprin
 bool ivory_grid_guarded(IvoryGrid g, sampler3D volumes, sampler3D trust, usampler3D guard, vec3 index, vec3 ng,
                         float stored, out vec3 m[12]) {
   int count = ivory_grid_volume_count(g);
-  IvoryFootprint near = ivory_make_footprint(g, index, IVORY_GRID_INTERPOLATION);
+  IvoryNear eight = ivory_read_near(g, trust, guard, IvoryNudged(index, ng, g.nudge_m), stored);
+  IvoryNudged at = eight.at;
+  IvoryFootprint near = eight.footprint;
+  IvorySeen near_seen = eight.seen;
+  if (IVORY_GRID_INTERPOLATION != ivory_trilinear) {
+    near = ivory_make_footprint(g, at.index, ivory_tricubic);
+    if (IVORY_GRID_LEVELS != 1) near.z *= ivory_stored_factor(g, guard, near, 64);
+    IvoryPassed passed = ivory_passed_by_guard(g, trust, guard, at, near, 64);
+    near_seen = ivory_seen(passed);
+    if (IVORY_GRID_GUARD == ivory_guard_planes)
+      near_seen = ivory_yield_wide(g, trust, guard, near, 64, passed, eight.footprint, eight.seen);
+  }
   int near_count = ivory_footprint_count(near);
   bool can_filter = true;
-  vec3 filter_index = index;
+  vec3 filter_index = at.index;
   if (IVORY_GRID_LEVELS != 1) {
     ivec3 texel = ivory_grid_texel(g, guard, clamp(near.first, ivec3(0), g.size - 1));
     can_filter = !near.wide && texel.x >= 0 && all(notEqual(near.first & 3, ivec3(3)));
-    filter_index = vec3(max(texel, ivec3(0))) + vec3(near.x.y, near.y.y, near.z.y);
-    near.z *= near.wide ? ivory_stored_factor(g, guard, near, 64) : 1.0 / stored;
-  }
-  IvoryPassed near_passed = ivory_passed_by_guard(g, trust, guard, index, ng, near, near_count);
-  IvorySeen near_seen = IvorySeen(uvec2(0u), 0.0, true);
-  if (IVORY_GRID_INTERPOLATION == ivory_trilinear) {
-    near_seen = ivory_yield_near(g, trust, guard, near, near_passed);
-  } else if (IVORY_GRID_GUARD != ivory_guard_planes) {
-    near_seen = ivory_seen(near_passed);
-  } else {
-    IvoryFootprint eight = ivory_make_footprint(g, index, ivory_trilinear);
-    IvoryPassed passed = ivory_passed_by_guard(g, trust, guard, index, ng, eight, 8);
-    IvorySeen witnesses = ivory_yield_near(g, trust, guard, eight, passed);
-    near_seen = ivory_yield_wide(g, trust, guard, near, 64, near_passed, eight, witnesses);
+    vec3 clamped = clamp(at.index, vec3(0.0), vec3(g.size - 1));
+    filter_index = vec3(max(texel, ivec3(0))) + clamped - vec3(near.first);
   }
   bool enough = near_seen.kept >= ivory_grid_enough_weight;
   bool filtered = near_seen.all && enough && can_filter;
@@ -343,10 +164,10 @@ bool ivory_grid_guarded(IvoryGrid g, sampler3D volumes, sampler3D trust, usample
   IvorySeen wide_seen = near_seen;
   float wide_factor = 0.0;
   if (IVORY_GRID_INTERPOLATION == ivory_trilinear) {
-    wide = ivory_make_footprint(g, index, ivory_tricubic);
+    wide = ivory_make_footprint(g, at.index, ivory_tricubic);
     int wide_count = enough || !ivory_grid_has_planes(g) ? 0 : 64;
     if (IVORY_GRID_LEVELS != 1) wide.z *= ivory_stored_factor(g, guard, wide, wide_count);
-    IvoryPassed wide_passed = ivory_passed_by_guard(g, trust, guard, index, ng, wide, wide_count);
+    IvoryPassed wide_passed = ivory_passed_by_guard(g, trust, guard, at, wide, wide_count);
     wide_seen = ivory_yield_wide(g, trust, guard, wide, wide_count, wide_passed, near, near_seen);
     if (wide_count > 0 && wide_seen.kept >= ivory_grid_least_weight) {
       float share = empty ? 0.0 : near_seen.kept / ivory_grid_enough_weight;

@@ -171,6 +171,34 @@ TEST_F(GlTest, GridHasNoSeamAlongInnerEdges) {
   }
 }
 
+// As Lookup.WallsNearerThanTheNudgeStayBehind on the CPU.
+TEST_F(GlTest, GridKeepsWallsNearerThanTheNudgeBehind) {
+  for (const float thickness : {0.02F, 1.5F}) {
+    const IrradianceGrid grid = before_a_wall(thickness);
+    const GpuGrid gpu = upload(grid);
+    for (const Interpolation interpolation : {Interpolation::trilinear, Interpolation::tricubic}) {
+      const LookupParams params{.interpolation = interpolation};
+      std::vector<V4f> p;
+      std::vector<V4f> ng;
+      for (float off = 0.035F; off < 0.5F; off += 0.01F) {
+        for (const V3f& n : {V3f(1, 0, 0), V3f(0.8F, 0, 0.6F), V3f(-1, 0, 0)}) {
+          p.push_back(to_v4(V3f(1.4F - off, 1.3F, 1.6F)));
+          ng.push_back(to_v4(n));
+          p.push_back(to_v4(V3f(1.4F + 0.02F + off, 1.3F, 1.6F)));
+          ng.push_back(to_v4(-n));
+        }
+      }
+      const std::vector<V4f> result = evaluate_on_gpu(source(grid_defines(gpu, params)), {p, ng, ng},
+                                                      [&](gl::Program& program) { bind(gpu, program, 0, params); });
+      for (std::size_t i = 0; i < p.size(); ++i) {
+        if (i % 2 == 1 && thickness > 1) continue;          // in the wall
+        EXPECT_NEAR(result[i].x, i % 2 == 0 ? 1 : 0, 1e-3)  // half's rounding
+            << xyz(p[i]) << xyz(ng[i]) << " " << thickness << " " << name_of(interpolation);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 }  // namespace ivory

@@ -138,8 +138,8 @@ struct LookupMargin {
   bool undecided = false;
   float kept = 1;
 };
-inline LookupMargin margin_in_level(const IrradianceGrid& grid, int level, Guard guard, const LookupPoint& at,
-                                    Interpolation interpolation) {
+inline LookupMargin margin_at(const IrradianceGrid& grid, int level, Guard guard, const LookupPoint& at,
+                              Interpolation interpolation) {
   constexpr float closest_voxels = 1e-4F;  // float places points of this grid to 1e-6 of a voxel or so
   LookupMargin out;
   const GridFrame& frame = grid.frame_of(level);
@@ -190,6 +190,33 @@ inline LookupMargin margin_in_level(const IrradianceGrid& grid, int level, Guard
   // Nothing is seen, and nothing divided.
   if (out.kept < 1e-4F) out.kept = 1;
   return out;
+}
+
+// By planes the point, or the closer one, is read: both, and which, must be decided.
+inline LookupMargin margin_in_level(const IrradianceGrid& grid, int level, Guard guard, const LookupPoint& at,
+                                    Interpolation interpolation) {
+  LookupMargin out = margin_at(grid, level, guard, at, interpolation);
+  if (guard != Guard::planes || at.ng == V3f(0, 0, 0) || at.nudge_voxels == 0) return out;
+  const LookupPoint closer = closer_point(at);
+  const GridFrame& frame = grid.frame_of(level);
+  const V3f index = frame.to_index(closer.nudged(frame));
+  Footprint seen = make_footprint(grid, level, at, Interpolation::trilinear);
+  const float kept = restrict_footprint(grid, visible_by_guard(grid, at, seen), seen);
+  for (std::size_t i = 0; kept > 0 && i < std::size_t(seen.count); ++i) {
+    const float weight = seen.weight[i] * kept;
+    const float hidden = hidden_by(grid.guard[seen.vertex[i]], index - V3f(grid.place_of(seen.vertex[i]).at));
+    if (std::abs(weight - least_weight) < 2e-5F || (weight >= least_weight && std::abs(hidden) < 1e-4F))
+      out.undecided = true;
+  }
+  const NearReading near = read_near(grid, level, at);
+  if (kept > 0 && near.at.nudge_voxels == at.nudge_voxels && near.kept == kept) {
+    // It was not moved; was the closer point asked and found unseen? Rounding must not let it be seen.
+    Footprint again = make_footprint(grid, level, closer, Interpolation::trilinear);
+    if (restrict_footprint(grid, visible_by_guard(grid, closer, again), again) > 0) return out;
+  }
+  const LookupMargin moved = margin_at(grid, level, guard, closer, interpolation);
+  const bool is_moved = near.at.nudge_voxels != at.nudge_voxels;
+  return {out.undecided || moved.undecided, is_moved ? moved.kept : out.kept};
 }
 
 inline LookupMargin margin(const IrradianceGrid& grid, Guard guard, const V3f& nudged, const V3f& ng, float off_m,

@@ -1,6 +1,7 @@
 // A grid around the inner edge of a room, made by hand.
 #pragma once
 
+#include <cmath>
 #include <vector>
 
 #include "grid/field/guard.h"
@@ -48,6 +49,31 @@ inline std::vector<SurfacePoint> inner_edge_points() {
     points.push_back({V3f(off, 0.3F, 1.6F), V3f(0, 1, 0)});
   }
   return points;
+}
+
+// A wall across a grid of vertices 1 m apart, from x = 1.4 m on, `thickness_m` deep. Before it E is 1 lux for every
+// normal; in it and behind it no light. Planes are exact; vertices in the wall see the inside of it.
+inline IrradianceGrid before_a_wall(float thickness_m) {
+  IrradianceGrid grid;
+  grid.frame.size = V3i(4, 4, 4);
+  grid.basis = Basis::ambient_cube;
+  grid.visible_fraction.assign(64, 1.0F);
+  grid.variance.assign(64, Rgb(0, 0, 0));
+  grid.guard.assign(64, {});
+  const float front = 1.4F;
+  const float back = front + thickness_m;
+  for (std::size_t v = 0; v < 64; ++v) {
+    const auto x = float(grid.frame.vertex_coordinates(v).x);
+    grid.moments.insert(grid.moments.end(), 18, x < front ? 1.0F : 0.0F);
+    std::size_t planes = 0;
+    const auto add = [&](float normal, float distance) {
+      if (std::abs(distance) < 1.2F) grid.guard[v].words[planes++] = pack({V3f(normal, 0, 0), distance});
+    };
+    if (x < front) add(1, front - x);
+    if (x > front) add(-1, x > back ? x - back : x - front);
+    if (x > front && x < back) add(1, back - x);
+  }
+  return grid;
 }
 
 }  // namespace ivory

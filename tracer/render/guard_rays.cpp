@@ -65,7 +65,10 @@ Footprint lookup_footprint(const IrradianceGrid& grid, const Intersector* inters
   };
   if (!fitted) return guarded_footprint(grid, at, params.interpolation, visible);
   // The second reading fades where something stands in front, and counts nothing half a voxel before the first.
-  return fitted_footprint(grid, at, visible, [&](int level, const Footprint& /*near*/) {
+  const auto read_near = [&](int level) {
+    return guarded_level_footprint(grid, level, at, Interpolation::trilinear, visible);
+  };
+  return fitted_footprint(grid, at, read_near, [&](int level, const Footprint& /*near*/) {
     LookupPoint farther = at;
     farther.nudge_voxels += 1;
     FarReading out{make_footprint(grid, level, farther, Interpolation::trilinear), 0};

@@ -55,12 +55,12 @@ vec3 ivory_output(IvorySurface s) {
   float stored;
   IvoryGrid g =
       ivory_grid_level_at(ivory_grid, ivory_grid_guard, s.p + s.ng * ivory_grid.nudge_m, s.ng, index, stored);
-  IvoryFootprint footprint = ivory_make_footprint(g, index, IVORY_GRID_INTERPOLATION);
-  footprint.z *= footprint.wide ? ivory_stored_factor(g, ivory_grid_guard, footprint, 64) : 1.0 / stored;
-  IvoryPassed passed = ivory_passed_by_guard(g, ivory_grid_trust, ivory_grid_guard, index, s.ng, footprint,
-                                             ivory_footprint_count(footprint));
+  IvoryNudged at = IvoryNudged(index, s.ng, g.nudge_m);
   if (IVORY_GRID_INTERPOLATION == ivory_trilinear)
-    return vec3(ivory_yield_near(g, ivory_grid_trust, ivory_grid_guard, footprint, passed).kept);
+    return vec3(ivory_read_near(g, ivory_grid_trust, ivory_grid_guard, at, stored).seen.kept);
+  IvoryFootprint footprint = ivory_make_footprint(g, index, IVORY_GRID_INTERPOLATION);
+  footprint.z *= ivory_stored_factor(g, ivory_grid_guard, footprint, 64);
+  IvoryPassed passed = ivory_passed_by_guard(g, ivory_grid_trust, ivory_grid_guard, at, footprint, 64);
   return vec3(ivory_yield_wide(g, ivory_grid_trust, ivory_grid_guard, footprint, 64, passed, footprint,
                                IvorySeen(uvec2(0u), 0.0, true)).kept);
 }
