@@ -6,7 +6,7 @@ import random
 
 import probes
 import tables
-from plot import slug
+from front import slug
 from steps import File, Out, Point, Step
 from writer.gltf import Gltf
 from writer.shapes import Piece

@@ -61,7 +61,11 @@ std::string find_python() {
   const char* chosen = std::getenv("IVORY_PYTHON");
   for (const std::string& python :
        {std::string(chosen != nullptr ? chosen : "python3"), std::string("/usr/bin/python3")}) {
-    if (succeeds({python, "-c", "import sys, matplotlib, jinja2; sys.exit(sys.version_info < (3, 9))"})) return python;
+    // Looked for, not loaded: that takes a quarter of a second.
+    if (succeeds({python, "-c",
+                  "import sys; from importlib.util import find_spec as f; "
+                  "sys.exit(sys.version_info < (3, 9) or not (f('matplotlib') and f('jinja2')))"}))
+      return python;
   }
   throw Error("ivory chart", "finds no Python 3.9 with matplotlib and jinja2",
               "install Debian's python3-matplotlib and python3-jinja2, or name an interpreter by IVORY_PYTHON");
@@ -114,8 +118,11 @@ void add_chart_command(Command app, CommonOptions& common) {
                   "Only points whose name CURVE/SCENE/SERIES/SETTING matches; * is wild; may be repeated")
       .repeated()
       .type_name("PATTERN");
-  command.add_option("--size", pass("--size"), "Of a single curve: quick or full [quick]")
-      .one_of({"quick", "full"})
+  command
+      .add_option("--size", pass("--size"),
+                  "Of a single curve: quick or full [quick]; of grid and sh9 rough too, which is no\nmeasurement but a "
+                  "try of seconds")
+      .one_of({"rough", "quick", "full"})
       .type_name("SIZE");
   command
       .add_option("--fill", pass("--fill"),

@@ -19,12 +19,12 @@ import summary  # noqa: E402
 import tables  # noqa: E402
 from inputs import Inputs  # noqa: E402
 from kept import Kept  # noqa: E402
-from plot import Figures  # noqa: E402
 from process import Failure, Stop  # noqa: E402
 from runner import Runner  # noqa: E402
 
 CURVES = ("grid", "economy", "bases", "sh9", "fiv", "cubemap", "lobes", "rates", "stability")
 WHOLE = ("quick", "full")
+ROUGH = ("grid", "sh9")  # curves that know the size rough
 
 
 class Parser(argparse.ArgumentParser):
@@ -46,7 +46,7 @@ def parse(arguments):
     parser.add_argument("--any-build", action="store_true", help="keep results of other builds of ivory of this version")
     parser.add_argument("--fill", metavar="FILE.md", action="append", default=[],
                         help="rewrite the tables between <!-- chart: NAME --> and <!-- /chart --> of this file, and copy its charts/NAME.png")
-    parser.add_argument("--size", choices=WHOLE, help="of a single curve [quick]")
+    parser.add_argument("--size", choices=("rough", *WHOLE), help="of a single curve [quick]; rough, of grid and sh9, is a try")
     parser.add_argument("--threads", type=int, default=os.cpu_count())
     parser.add_argument("--quiet", action="store_true")
     parser.add_argument("--json", action="store_true")
@@ -55,6 +55,8 @@ def parse(arguments):
     options = parser.parse_args(arguments)
     if options.suite in WHOLE and options.size:
         parser.error(f"--size is of a single curve; the suite {options.suite} has its own")
+    if options.size == "rough" and options.suite not in ROUGH:
+        parser.error(f"--size rough is of {' and '.join(ROUGH)}; {options.suite} has quick and full")
     options.size = options.suite if options.suite in WHOLE else options.size or "quick"
     options.output = os.path.abspath(options.output)
     return options
@@ -171,6 +173,7 @@ def report(options, curves, figures, runner, written):
 
 
 def measure(options, runner, inputs):
+    from plot import Figures  # loads matplotlib, which lists and refusals do without
     figures, curves, failed_plans = Figures(runner.folder), [], []
     for name in options.curves:
         curve = plan(name, options, runner, inputs)

@@ -5,7 +5,7 @@ import random
 
 import probes
 import tables
-from plot import slug
+from front import slug
 from steps import File, Out, Point, Step
 from writer import shapes
 from writer.gltf import Gltf

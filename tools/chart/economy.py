@@ -3,7 +3,7 @@ import math
 
 import probes
 import tables
-from plot import error_of, pareto, slug
+from front import error_of, pareto, slug
 from steps import File, Out, Point, Step
 
 TITLE = "An error asked for, and the grid that came"

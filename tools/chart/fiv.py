@@ -4,7 +4,7 @@ import random
 
 import tables
 from grid import errors, path_tracing_seconds
-from plot import slug
+from front import slug
 from steps import File, Out, Point, Step
 from writer import shapes
 from writer.gltf import Gltf

@@ -3,7 +3,7 @@ import math
 import re
 
 import tables
-from plot import slug
+from front import slug
 from steps import File, Out, Point, Step
 
 TITLE = "Indirect light: irradiance-vector grids, path tracing, photon maps"
@@ -12,9 +12,9 @@ left out of the error (`ivory compare A REF REF2`), so that errors below that no
 those along the longest side; settings of curves are numbers of photons, samples or gather rays. Grids and photon maps are read at 16 samples a pixel, behind gather rays at
 4: where curves run level in scenes of much detail, the samples of edges and highlights are the limit."""
 
-SIZE = {"quick": "120x90", "full": "240x180"}
+SIZE = {"rough": "32x24", "quick": "120x90", "full": "240x180"}
 # Two of so many samples a pixel; fewer where a sample takes long. Their noise is taken out of the errors.
-REFERENCE_SAMPLES = {"quick": "1k", "full": "2k"}
+REFERENCE_SAMPLES = {"rough": "16", "quick": "1k", "full": "2k"}
 FEWER_REFERENCE_SAMPLES = {"interior": "1k", "sunlit garden": "1k"}
 DIRECT_SAMPLES, GATHER_SAMPLES = 16, 4
 

@@ -1,13 +1,14 @@
 """Charts of error against cost: log-log, error bars, the references' own error as a floor, the Pareto front marked."""
 import math
 import os
-import re
 import textwrap
 
 import matplotlib
 
 matplotlib.use("Agg")
 from matplotlib import pyplot, ticker  # noqa: E402
+
+from front import error_of, pareto  # noqa: E402
 
 pyplot.rcParams.update({"font.size": 9, "axes.grid": True, "grid.alpha": 0.25, "axes.axisbelow": True, "legend.fontsize": 8,
                         "legend.frameon": False, "savefig.dpi": 120, "svg.fonttype": "none", "svg.hashsalt": "ivory",
@@ -21,22 +22,6 @@ def style(i):
     """Colour, mark and its filling of the series of that number."""
     return {"color": COLOURS[i % len(COLOURS)], "marker": MARKS[(i + i // len(COLOURS)) % len(MARKS)],
             "markerfacecolor": COLOURS[i % len(COLOURS)] if i < len(COLOURS) else "white"}
-
-
-def error_of(record, y):
-    """The error to plot and to compare: where it is less than its own standard error (the references' noise taken off, it can even
-    come out as 0), only "at most that" is known."""
-    return max(record.get(y) or 0, record.get(f"{y}_se") or 0)
-
-
-def pareto(records, x, y):
-    """Those that are better than all that is cheaper, by more than their standard error; by cost."""
-    best, front = math.inf, []
-    for r in sorted((r for r in records if r.get(x, 0) > 0 and error_of(r, y) > 0), key=lambda r: (r[x], error_of(r, y))):
-        if error_of(r, y) + (r.get(f"{y}_se") or 0) < best:
-            best = error_of(r, y)
-            front.append(r)
-    return front
 
 
 def plain(x, _=None):
@@ -81,11 +66,6 @@ def logarithmic(axis, form):
 
 
 FORMATS = {"memory_bytes": size, "nrmse": percent, "relative_rmse": percent}
-
-
-def slug(*words):
-    """A file's name of words for people: "grid", "bunny's room" -> grid_bunnys_room."""
-    return re.sub("[^a-z0-9]+", "_", "_".join(words).lower().replace("'", "")).strip("_")
 
 
 def settings(series, records):

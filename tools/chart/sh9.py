@@ -9,10 +9,10 @@ too; RMS over normals and colours, divided by the mean E. Time is that of readin
 
 
 def points(suite, inputs, runner):
-    count = 2000 if suite == "full" else 500
+    count = {"rough": 60, "quick": 500, "full": 2000}[suite]
     normals = File(probes.normals(inputs.path(f"normals_{count}.csv"), count))
-    sizes = (4, 8, 16, 32, 64, 128) if suite == "full" else (4, 16, 64)
-    windows = ("none", "auto", "3", "4", "6") if suite == "full" else ("none", "auto", "4")
+    sizes = {"rough": (4,), "quick": (4, 16, 64), "full": (4, 8, 16, 32, 64, 128)}[suite]
+    windows = {"rough": ("none", "auto"), "quick": ("none", "auto", "4"), "full": ("none", "auto", "3", "4", "6")}[suite]
     found = []
     for name, environment in inputs.environments(suite).items():
         truth = Step(("probe", environment, "--points", normals, Out("csv")))

@@ -7,7 +7,7 @@ import re
 import shlex
 import shutil
 
-from plot import error_of, pareto
+from front import error_of, pareto
 
 MARKER = re.compile(r"(<!-- chart: ([a-z0-9_]+) -->\n)(.*?)(<!-- /chart -->)", re.DOTALL)
 

@@ -1,13 +1,11 @@
-// Materials, textures and images of glTF files.
+// Materials and textures of glTF files.
 #include <algorithm>
 #include <cmath>
 
-#include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
-#include <webp/encode.h>
 
-#include "grid/base/error.h"
 #include "tests/support/gltf_check.h"
+#include "tests/support/gltf_textured.h"
 #include "tracer/core/intersector.h"
 #include "tracer/core/lit_scene.h"
 #include "tracer/core/texture.h"
@@ -20,36 +18,6 @@ using nlohmann::json;
 const Material& material_named(const Scene& scene, const std::string& name) {
   return *std::find_if(scene.materials.begin(), scene.materials.end(),
                        [&](const Material& m) { return m.name == name; });
-}
-
-std::string write_png(const std::string& name, int width, int height, int channels,
-                      const std::vector<std::uint8_t>& pixels) {
-  const std::string path = GltfBuilder::folder() + "/" + name;
-  auto out = OIIO::ImageOutput::create(path);
-  OIIO::ImageSpec spec(width, height, channels, OIIO::TypeDesc::UINT8);
-  spec.attribute("oiio:UnassociatedAlpha", 1);
-  EXPECT_TRUE(out->open(path, spec));
-  EXPECT_TRUE(out->write_image(OIIO::TypeDesc::UINT8, pixels.data()));
-  out->close();
-  return path;
-}
-
-std::string read_file(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
-
-// A triangle with uv in a textured material; `image` is what glTF says of the image.
-GltfBuilder textured(const json& image, const char* slot = "baseColorTexture") {
-  GltfBuilder builder;
-  builder.root["images"] = json::array({image});
-  builder.root["textures"] = {{{"source", 0}}};
-  builder.root["materials"] = {{{"pbrMetallicRoughness", {{slot, {{"index", 0}}}}}}};
-  const int p = builder.add({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
-  const int t = builder.add(std::vector<V2f>{{0, 0}, {1, 0}, {0, 1}});
-  builder.add_node(
-      {{"mesh", builder.add_mesh({{"attributes", {{"POSITION", p}, {"TEXCOORD_0", t}}}, {"material", 0}})}});
-  return builder;
 }
 
 // Khronos' sample marks, on quads that show u right and v down, where its arrow must point; the
@@ -78,8 +46,7 @@ TEST(GltfMaterials, TextureTransformsPointTheArrowAtTheSamplesMarks) {
 
 // A quarter turn counter-clockwise takes "right" (1, 0) to "up", which is (0, -1) where v points down.
 TEST(GltfMaterials, TextureRotationIsCounterClockwiseAndComesAfterScale) {
-  write_png("white.png", 1, 1, 3, {255, 255, 255});
-  GltfBuilder builder = textured({{"uri", "white.png"}});
+  GltfBuilder builder = textured({{"uri", white_pixel}});
   builder.use_extension("KHR_texture_transform");
   builder.root["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["extensions"]["KHR_texture_transform"] = {
       {"rotation", 1.5707963267948966}, {"scale", {2, 3}}, {"offset", {10, 20}}};
@@ -90,8 +57,7 @@ TEST(GltfMaterials, TextureRotationIsCounterClockwiseAndComesAfterScale) {
 }
 
 TEST(GltfMaterials, AllFieldsArrive) {
-  GltfBuilder builder = textured({{"uri", "all_fields.png"}});
-  write_png("all_fields.png", 1, 1, 3, {255, 255, 255});
+  GltfBuilder builder = textured({{"uri", white_pixel}});
   for (const char* name :
        {"KHR_materials_specular", "KHR_materials_ior", "KHR_materials_emissive_strength", "KHR_texture_transform"})
     builder.use_extension(name);
@@ -210,8 +176,7 @@ TEST(GltfMaterials, SampleScenes) {
 }
 
 TEST(GltfMaterials, ATextureWithoutCoordinatesIsLeftOutOnce) {
-  GltfBuilder builder = textured({{"uri", "white.png"}});
-  write_png("white.png", 1, 1, 3, {255, 255, 255});
+  GltfBuilder builder = textured({{"uri", white_pixel}});
   builder.root["meshes"][0]["primitives"].push_back(builder.root["meshes"][0]["primitives"][0]);
   builder.root["meshes"][0]["primitives"][1]["attributes"].erase("TEXCOORD_0");
   const LoadedScene loaded = load(builder.write("no_coordinates"));
@@ -221,83 +186,11 @@ TEST(GltfMaterials, ATextureWithoutCoordinatesIsLeftOutOnce) {
   EXPECT_EQ(scene.materials[std::size_t(scene.meshes[1].material)].base_color_texture.texture, no_index);
 }
 
-TEST(GltfMaterials, ImagesKeepTheirColourBehindAlpha) {
-  write_png("alpha.png", 2, 1, 4, {200, 100, 50, 0, 10, 20, 30, 128});
-  Scene scene = load(textured({{"uri", "alpha.png"}}).write("image_alpha")).scene;
-  EXPECT_EQ(scene.images.at(0).rgba, (std::vector<std::uint8_t>{200, 100, 50, 0, 10, 20, 30, 128}));
-
-  write_png("grey.png", 2, 1, 1, {7, 255});
-  scene = load(textured({{"uri", "grey.png"}}).write("image_grey")).scene;
-  EXPECT_EQ(scene.images.at(0).rgba, (std::vector<std::uint8_t>{7, 7, 7, 255, 255, 255, 255, 255}));
-
-  write_png("rgb%20space.png", 1, 1, 3, {1, 2, 3});
-  std::filesystem::rename(GltfBuilder::folder() + "/rgb%20space.png", GltfBuilder::folder() + "/rgb space.png");
-  scene = load(textured({{"uri", "rgb%20space.png"}}).write("image_rgb")).scene;
-  EXPECT_EQ(scene.images.at(0).rgba, (std::vector<std::uint8_t>{1, 2, 3, 255}));
-
-  // As WebP, which image libraries like to multiply by alpha.
-  const std::vector<std::uint8_t> rgba{200, 100, 50, 16, 10, 20, 30, 128};
-  std::uint8_t* webp = nullptr;
-  const std::size_t size = WebPEncodeLosslessRGBA(rgba.data(), 2, 1, 8, &webp);
-  GltfBuilder::write_file(GltfBuilder::folder() + "/alpha.webp", {reinterpret_cast<const char*>(webp), size});
-  WebPFree(webp);
-  GltfBuilder as_webp = textured({{"uri", "alpha.webp"}, {"mimeType", "image/webp"}});
-  as_webp.use_extension("EXT_texture_webp");
-  as_webp.root["textures"] = {{{"extensions", {{"EXT_texture_webp", {{"source", 0}}}}}}};
-  scene = load(as_webp.write("image_webp")).scene;
-  EXPECT_EQ(scene.images.at(0).rgba, rgba);
-
-  // From a buffer view.
-  const std::string png = read_file(GltfBuilder::folder() + "/alpha.png");
-  GltfBuilder embedded = textured(json::object());
-  embedded.root["images"][0] = {{"bufferView", embedded.add_view(png.data(), png.size())}, {"mimeType", "image/png"}};
-  scene = load(embedded.write("image_embedded")).scene;
-  EXPECT_EQ(scene.images.at(0).rgba[0], 200);
-}
-
-TEST(GltfMaterials, BrokenImagesAreRefusedWhereTheyAreShown) {
-  std::vector<std::uint8_t> noise;
-  for (int i = 0; i < 64 * 64 * 3; ++i) noise.push_back(static_cast<std::uint8_t>(i * 7919 >> 3));
-  for (const char* extension : {"png", "jpg", "webp"}) {
-    const std::string name = std::string("noise.") + extension;
-    const std::string whole = read_file(write_png(name, 64, 64, 3, noise));
-    GltfBuilder builder = textured({{"uri", "cut_" + name}});
-    GltfBuilder::write_file(GltfBuilder::folder() + "/cut_" + name, whole);
-    EXPECT_EQ(error_of(builder, "image_whole"), "") << extension;
-    for (const std::size_t keep :
-         {std::size_t(2), whole.size() / 4, whole.size() / 2, whole.size() * 9 / 10, whole.size() - 20}) {
-      GltfBuilder::write_file(GltfBuilder::folder() + "/cut_" + name, whole.substr(0, keep));
-      EXPECT_NE(error_of(builder, "image_cut").find("images[0]"), std::string::npos) << extension << " " << keep;
-    }
-  }
-  // The header of a WebP of 2 x 2 pixels that moves.
-  GltfBuilder::write_file(GltfBuilder::folder() + "/moving.webp",
-                          std::string("RIFF\x16\0\0\0WEBPVP8X\x0A\0\0\0\x02\0\0\0\1\0\0\1\0\0", 30));
-  EXPECT_NE(error_of(textured({{"uri", "moving.webp"}}), "image_moving").find("animation"), std::string::npos);
-  EXPECT_NE(error_of(textured({{"uri", "nowhere.png"}}), "image_missing").find("no such file"), std::string::npos);
-  EXPECT_NE(error_of(textured({{"uri", "."}}), "image_folder").find("not a regular file"), std::string::npos);
-
-  // A sound PNG that says 30000 x 30000 pixels in 69 bytes.
-  const std::string bomb =
-      "data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAAdTAAAHUwCAYAAABmJ/"
-      "i6AAAADElEQVR4nGNgoD0AAABkAAGGZDw1AAAAAElFTkSuQmCC";
-  EXPECT_NE(error_of(textured({{"uri", bomb}}), "image_bomb").find("claims 30000 x 30000"), std::string::npos);
-}
-
-TEST(GltfMaterials, TheHashCoversEverythingRead) {
-  write_png("hashed.png", 1, 1, 3, {1, 2, 3});
-  const std::string path = textured({{"uri", "hashed.png"}}).write("hash");
-  const std::string first = load_gltf(path).scene.content_hash;
-  EXPECT_EQ(load_gltf(path).scene.content_hash, first);
-  write_png("hashed.png", 1, 1, 3, {1, 2, 4});
-  EXPECT_NE(load_gltf(path).scene.content_hash, first);
-}
-
 TEST(GltfMaterials, TangentsFollowTheTexture) {
   // A quad facing +z whose u runs right and v runs down: tangent +x, bitangent (image up) +y.
   const auto build = [](const std::vector<V2f>& uvs, bool normals) {
     GltfBuilder builder;
-    builder.root["images"] = {{{"uri", "white.png"}}};
+    builder.root["images"] = {{{"uri", white_pixel}}};
     builder.root["textures"] = {{{"source", 0}}};
     builder.root["materials"] = {{{"normalTexture", {{"index", 0}, {"scale", 0.5}}}}};
     json attributes = {{"POSITION", builder.add({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}})},
@@ -308,7 +201,6 @@ TEST(GltfMaterials, TangentsFollowTheTexture) {
                                                  {"material", 0}})}});
     return builder;
   };
-  write_png("white.png", 1, 1, 3, {255, 255, 255});
   Mesh mesh = load(build({{0, 1}, {1, 1}, {1, 0}, {0, 0}}, true).write("tangents")).scene.meshes.at(0);
   ASSERT_EQ(mesh.tangents.size(), 4U);
   for (const V4f& t : mesh.tangents) EXPECT_EQ(t, V4f(1, 0, 0, 1));
