@@ -90,8 +90,7 @@ NearReading read_near(const IrradianceGrid& grid, int level, const LookupPoint& 
 
 // The footprint that a look-up at surface point p (world, m; unit geometric normal ng on the lit side) reads, by the
 // stored planes or without guard: p is nudged off the surface along ng by params.nudge_voxels (by planes less where a
-// wall is nearer: read_near()). params.guard is planes
-// or off. Without entries where no vertex sees p.
+// wall is nearer: read_near()). params.guard is planes or off. Without entries where no vertex sees p.
 Footprint lookup_footprint(const IrradianceGrid& grid, const V3f& p, const V3f& ng, const LookupParams& params);
 
 // E(n) in lux per channel at p through that footprint; n is the unit shading normal. Throws as irradiance() does.

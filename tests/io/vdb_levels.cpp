@@ -101,7 +101,8 @@ openvdb::GridBase::Ptr& find(Grids& grids, const std::string& name) {
 // A file of levels that OpenVDB saved again after `edit`.
 struct Resaved {
   explicit Resaved(const Edit& edit) : original(lattice_grid(some_lattice(), 5, Basis::sh4)) {
-    const auto folder = scratch_folder("vdb_levels_edited");
+    const auto folder =
+        scratch_folder(std::string("vdb_levels_") + testing::UnitTest::GetInstance()->current_test_info()->name());
     path = folder / "edited.vdb";
     write_vdb(folder / "ivory.vdb", original, true);
     openvdb::initialize();
