@@ -86,17 +86,16 @@ def cornell_box(folder):
             j = (i + 1) % 4
             white.quad_facing([low[i], low[j], high[j], high[i]], middle, away=True)
 
-    for suffix in (".gltf", ".glb"):
-        gltf = Gltf("Cornell box data: Cornell University Program of Computer Graphics")
-        materials = {name: gltf.material(name, cornell_spectra.paint(table))
-                     for name, table in (("white", cornell_spectra.WHITE), ("green", cornell_spectra.GREEN),
-                                         ("red", cornell_spectra.RED))}
-        materials["lamp"] = gltf.material("lamp", [cornell_spectra.LIGHT_REFLECTANCE] * 3, cornell_spectra.lamp())
-        gltf.node("cornell box", mesh=gltf.mesh("cornell box", pieces, materials))
-        # Film of 25 mm behind a lens of 35 mm focal length.
-        eye = mm(278, 273, -800)
-        gltf.camera("published", eye, (eye[0], eye[1], 0.0), 2 * math.atan(0.0125 / 0.035))
-        gltf.save(folder / f"cornell_box{suffix}")
+    gltf = Gltf("Cornell box data: Cornell University Program of Computer Graphics")
+    materials = {name: gltf.material(name, cornell_spectra.paint(table))
+                 for name, table in (("white", cornell_spectra.WHITE), ("green", cornell_spectra.GREEN),
+                                     ("red", cornell_spectra.RED))}
+    materials["lamp"] = gltf.material("lamp", [cornell_spectra.LIGHT_REFLECTANCE] * 3, cornell_spectra.lamp())
+    gltf.node("cornell box", mesh=gltf.mesh("cornell box", pieces, materials))
+    # Film of 25 mm behind a lens of 35 mm focal length.
+    eye = mm(278, 273, -800)
+    gltf.camera("published", eye, (eye[0], eye[1], 0.0), 2 * math.atan(0.0125 / 0.035))
+    gltf.save(folder / "cornell_box.gltf")
 
 
 def two_rooms(folder):

@@ -8,7 +8,7 @@
 
 #include "grid/base/error.h"
 #include "grid/base/half.h"
-#include "tests/support/fiv_synthetic.h"
+#include "tests/runtime/fiv_synthetic.h"
 #include "tests/support/runtime_twin.h"
 
 namespace ivory {

@@ -7,7 +7,7 @@
 #include "grid/base/error.h"
 #include "grid/io/fiv.h"
 #include "runtime/assets/fiv.h"
-#include "tests/support/fiv_synthetic.h"
+#include "tests/runtime/fiv_synthetic.h"
 #include "tests/support/runtime_twin.h"
 
 namespace ivory {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "runtime/assets/fiv.h"
-#include "tests/support/fiv_synthetic.h"
+#include "tests/runtime/fiv_synthetic.h"
 #include "tests/support/runtime_twin.h"
 
 namespace ivory {

@@ -71,7 +71,7 @@ BakePlan make_plan(const CheapestSetting& setting, double seconds, double truth_
   plan.seconds = within_factor(seconds + truth_seconds * certificate_receivers / pilot_receivers, 1.6);
   const double texels = 6.0 * setting.value * setting.value;
   plan.memory_bytes = within_factor(peak_memory_bytes(), 1.3);
-  plan.file_bytes = {0.9 * texels * 28 + 2048, 0.5 * texels * 28 + 1024, texels * 28 + 8192};
+  plan.file_bytes = {0.5 * texels * 28 + 1024, 0.9 * texels * 28 + 2048, texels * 28 + 8192};
   plan.error = predicted_error(setting.predicted);
   return plan;
 }

@@ -57,7 +57,7 @@ BakePlan make_plan(const IrradianceTree& tree, const CheapestSetting& setting) {
   plan.seconds = within_factor(each * (texels + certificate_normals), 2);
   plan.memory_bytes = within_factor(peak_memory_bytes() + 40 * texels, 1.3);
   // Floats of smooth faces are packed to a half up to nine tenths.
-  plan.file_bytes = {0.75 * texels * 12, 0.4 * texels * 12, texels * 12 + 4096};
+  plan.file_bytes = {0.4 * texels * 12, 0.75 * texels * 12, texels * 12 + 4096};
   plan.error = predicted_error(setting.predicted);
   return plan;
 }

@@ -118,7 +118,7 @@ BakePlan make_plan(const Baked& baked, ExrPrecision precision, double seconds) {
   const double numbers = double(baked.table.values.size());
   plan.memory_bytes = within_factor(peak_memory_bytes(), 1.3);
   const double bytes = numbers * (precision == ExrPrecision::float32 ? 4 : 2);
-  plan.file_bytes = {0.85 * bytes, 0.4 * bytes, bytes + 8192};
+  plan.file_bytes = {0.4 * bytes, 0.85 * bytes, bytes + 8192};
   plan.error = predicted_error(baked.predicted);
   return plan;
 }

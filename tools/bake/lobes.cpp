@@ -77,7 +77,7 @@ BakePlan make_plan(const Choice& choice, double seconds_a_node, int samples) {
   // A sample of the errors takes about five times as long as a node.
   plan.seconds = within_factor(seconds_a_node * (nodes + 5.0 * samples + double(certificate_pairs)), 2.5);
   plan.memory_bytes = within_factor(peak_memory_bytes() + 3 * bytes, 1.5);
-  plan.file_bytes = {0.85 * bytes, 0.5 * bytes, bytes + 4096};
+  plan.file_bytes = {0.5 * bytes, 0.85 * bytes, bytes + 4096};
   plan.error = predicted_error(choice.predicted);
   return plan;
 }
