@@ -51,9 +51,11 @@ bool see_too(const IrradianceGrid& grid, int level, const NearReading& near, con
     if (near.footprint.weight[i] * near.kept < least_weight) continue;
     const std::uint32_t vertex = near.footprint.vertex[i];
     const bool sees = hidden_by(grid.guard[vertex], index - V3f(grid.place_of(vertex).at)) <= 0;
+    const bool lit = is_lit(grid, vertex);
+    if (sees && lit) return true;
     any_sees = any_sees || sees;
     all_see = all_see && sees;
-    any_lit = any_lit || is_lit(grid, vertex);
+    any_lit = any_lit || lit;
   }
   return any_lit ? any_sees : all_see;
 }
@@ -72,12 +74,12 @@ LookupPoint closer_point(const LookupPoint& at) {
 //
 // Rays halve the way to what is in front. Planes know no such way; what mends most is a step as short as they can be
 // trusted with. A vertex behind a thin wall at p hides p by the wall's thickness alone, and a plane is off by up to
-// 0.004 voxels or so a voxel away, its normal's rounding, and by what its fit clips. In rooms of leak_rotated.gltf with
-// 2 cm walls and voxels of 0.67 m, 0.2 % of mean E and more came to the outside by steps of 0.09 of the nudge and less,
-// none by 1/8; p itself is hidden from the vertices before its own surface at one point in a hundred.
-// Random points of free space, RMS off the rays ÷ mean E, once and with the second look: two rooms 12.0, 5.9 %,
-// rotated room with boxes 12.3, 2.8 %, Cornell box 9.0, 1.8 %; within 15 cm of that thin wall, on its dark side, 27 and
-// 4.5 % of mean E. Surfaces: the same to 0.3 %.
+// 0.004 voxels or so a voxel away, its normal's rounding, and by what its fit clips. The outside of houses with 2 cm
+// walls and voxels of 0.67 m stayed dark with 3/16 of the nudge and more; with 1/8 it did in one of two houses, and
+// with less in none. p itself is hidden from the vertices before its own surface at one point in a hundred. Random
+// points of free space, RMS off the rays / mean E, once and with the second look: two rooms 12.0, 5.9 %, rotated room
+// with boxes 12.3, 3.2 %, Cornell box 9.0, 1.8 %; within 15 cm of that thin wall, on its dark side, 27 and 6 % of mean
+// E. Surfaces: the same to 0.2 %.
 NearReading read_near(const IrradianceGrid& grid, int level, const LookupPoint& at) {
   const auto read = [&](const LookupPoint& from) {
     NearReading out{from, make_footprint(grid, level, from, Interpolation::trilinear)};
@@ -89,7 +91,8 @@ NearReading read_near(const IrradianceGrid& grid, int level, const LookupPoint& 
   const LookupPoint closer = closer_point(at);
   if (near.kept > 0 && see_too(grid, level, near, closer)) return near;
   const NearReading again = read(closer);
-  return again.kept > 0 ? again : near;
+  if (again.kept > 0) near = again;
+  return near;
 }
 
 namespace {
@@ -102,10 +105,12 @@ Footprint lookup_by_planes(const IrradianceGrid& grid, const LookupPoint& at, In
     };
     if (interpolation != Interpolation::tricubic)
       return helped_footprint(grid, level, near.at, near.footprint, near.kept, visible);
-    return guarded_level_footprint(grid, level, near.at, interpolation,
-                                   [&](const Footprint& footprint, const Footprint* /*near*/) {
-                                     return visible(footprint, near.kept > 0 ? &near.footprint : nullptr);
-                                   });
+    const Footprint* const witnesses = near.kept > 0 ? &near.footprint : nullptr;
+    const Footprint wide = guarded_level_footprint(
+        grid, level, near.at, interpolation,
+        [&](const Footprint& footprint, const Footprint* /*near*/) { return visible(footprint, witnesses); });
+    // Facing a wall from free space, all that see the point may stand behind it, where wide footprints do not count.
+    return wide.count == 0 && near.kept > 0 ? near.footprint : wide;
   };
   if (interpolation != Interpolation::fitted) return footprint_of_levels(grid, at, read_level);
   return fitted_footprint(grid, at, read_level, [&](int level, const Footprint& near) {

@@ -77,9 +77,10 @@ Footprint fitted_footprint(const IrradianceGrid& grid, const LookupPoint& at, co
   });
 }
 
-// By the stored planes: what the eight vertices around the point say that are let see it, and where from. Where what is
-// read cannot see p, the point is moved off it by closer_share of the nudge alone, if any vertex sees it there.
-inline constexpr float closer_share = 0.125F;
+// The eight vertices around the point that see it, by the stored planes. Where what they are cannot see p itself, a
+// wall stands between, and the point is read closer to p: off it by closer_share of the nudge, if a vertex sees it
+// there.
+inline constexpr float closer_share = 0.1875F;
 LookupPoint closer_point(const LookupPoint& at);
 struct NearReading {
   LookupPoint at;       // as it was asked for, or closer

@@ -139,13 +139,18 @@ bool ivory_grid_guarded(IvoryGrid g, sampler3D volumes, sampler3D trust, usample
     near_seen = ivory_seen(passed);
     if (IVORY_GRID_GUARD == ivory_guard_planes)
       near_seen = ivory_yield_wide(g, trust, guard, near, 64, passed, eight.footprint, eight.seen);
+    // Facing a wall from free space, all that see the point may stand behind it, where wide footprints do not count.
+    if (near_seen.kept < ivory_grid_least_weight && eight.seen.kept >= ivory_grid_least_weight) {
+      near = eight.footprint;
+      near_seen = eight.seen;
+    }
   }
   int near_count = ivory_footprint_count(near);
-  bool can_filter = true;
+  bool can_filter = near.wide == (IVORY_GRID_INTERPOLATION == ivory_tricubic);
   vec3 filter_index = at.index;
   if (IVORY_GRID_LEVELS != 1) {
     ivec3 texel = ivory_grid_texel(g, guard, clamp(near.first, ivec3(0), g.size - 1));
-    can_filter = !near.wide && texel.x >= 0 && all(notEqual(near.first & 3, ivec3(3)));
+    can_filter = can_filter && !near.wide && texel.x >= 0 && all(notEqual(near.first & 3, ivec3(3)));
     vec3 clamped = clamp(at.index, vec3(0.0), vec3(g.size - 1));
     filter_index = vec3(max(texel, ivec3(0))) + clamped - vec3(near.first);
   }

@@ -50,7 +50,7 @@ struct IvoryNudged {
 };
 
 // As closer_point().
-const float ivory_grid_closer_share = 0.125;
+const float ivory_grid_closer_share = 0.1875;
 IvoryNudged ivory_closer(IvoryGrid g, IvoryNudged at) {
   float off_m = at.off_m * ivory_grid_closer_share;
   return IvoryNudged(at.index - (at.ng * g.local_to_world) * ((at.off_m - off_m) / g.spacing_m), at.ng, off_m);

@@ -180,7 +180,7 @@ TEST_F(GlTest, GridKeepsWallsNearerThanTheNudgeBehind) {
       const LookupParams params{.interpolation = interpolation};
       std::vector<V4f> p;
       std::vector<V4f> ng;
-      for (float off = 0.035F; off < 0.5F; off += 0.01F) {
+      for (float off = 0.053F; off < 0.5F; off += 0.01F) {
         for (const V3f& n : {V3f(1, 0, 0), V3f(0.8F, 0, 0.6F), V3f(-1, 0, 0)}) {
           p.push_back(to_v4(V3f(1.4F - off, 1.3F, 1.6F)));
           ng.push_back(to_v4(n));

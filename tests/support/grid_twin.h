@@ -182,8 +182,10 @@ inline LookupMargin margin_at(const IrradianceGrid& grid, int level, Guard guard
   };
   // Of a tricubic footprint the trilinear one has the witnesses.
   auto near = judge(guard == Guard::planes ? Interpolation::trilinear : interpolation, nullptr);
-  if (guard == Guard::planes && interpolation == Interpolation::tricubic)
-    near = judge(interpolation, near.second > 0 ? &near.first : nullptr);
+  if (guard == Guard::planes && interpolation == Interpolation::tricubic) {
+    const auto wide = judge(interpolation, near.second > 0 ? &near.first : nullptr);
+    if (wide.second > 0) near = wide;  // else the trilinear one answers
+  }
   out.kept = near.second;
   if (guard == Guard::planes && near.second < 0.26F && interpolation == Interpolation::trilinear)
     out.kept = std::max(near.second, judge(Interpolation::tricubic, near.second > 0 ? &near.first : nullptr).second);
