@@ -10,7 +10,7 @@ namespace ivory {
 
 namespace {
 
-constexpr int points = 10'000;
+constexpr int points = 4'000;
 
 struct Kind {
   Basis basis;

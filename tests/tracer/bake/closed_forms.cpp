@@ -190,7 +190,7 @@ TEST_P(ClosedForm, PointLight) {
   GridBakeParams params = params_of(GetParam(), frame);
   params.include_direct = true;
   const bool track = GetParam() == Estimator::track;
-  const Comparison c = compare(world, params, 4'000'000, [&](const V3f& vertex) {
+  const Comparison c = compare(world, params, 1'500'000, [&](const V3f& vertex) {
     std::array<double, 54> mean{};
     constexpr int n = 24;
     const double h = double(frame.spacing_m.x);

@@ -60,7 +60,7 @@ TEST(PhotonMap, IntegratingSphere) {
   const LitScene lit = make_lit_scene(integrating_sphere(0.5F));
   const double flux = 4 * double(pi) * 2;  // of the green channel
   const double truth = flux / area(*lit.scene) * 0.5 / (1 - 0.5);
-  for (const int neighbours : {20, 50, 100}) {
+  for (const int neighbours : {20, 100}) {  // 50 are Furnace's
     Accumulator means;
     for (std::uint64_t seed = 1; seed <= 24; ++seed) {
       PhotonMapParams params;
@@ -96,29 +96,28 @@ TEST(PhotonMap, Furnace) {
   const LitScene lit = make_lit_scene(std::move(scene));
   const double truth = double(pi) * 2 * 0.6 / (1 - 0.6);
   constexpr int side = 24;
-  for (const int neighbours : {20, 50}) {
-    Accumulator means;
-    for (std::uint64_t seed = 1; seed <= 24; ++seed) {
-      PhotonMapParams params;
-      params.photons = 60'000;
-      params.neighbours = neighbours;
-      params.seed = seed;
-      const PhotonMap map(lit, params);
-      double mean = 0;
-      for (unsigned face = 0; face < 6; ++face) {
-        V3f n(0, 0, 0);
-        n[face / 2] = face % 2 == 0 ? 1.0F : -1.0F;
-        for (int i = 0; i < side * side; ++i) {
-          V3f p = n;
-          p[(face / 2 + 1) % 3] = 0.8F * (2 * (float(i % side) + 0.5F) / side - 1);
-          p[(face / 2 + 2) % 3] = 0.8F * (2 * (float(i / side) + 0.5F) / side - 1);
-          mean += double(map.irradiance(p, -n).y) / (6 * side * side);
-        }
+  constexpr int neighbours = 50;
+  Accumulator means;
+  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+    PhotonMapParams params;
+    params.photons = 60'000;
+    params.neighbours = neighbours;
+    params.seed = seed;
+    const PhotonMap map(lit, params);
+    double mean = 0;
+    for (unsigned face = 0; face < 6; ++face) {
+      V3f n(0, 0, 0);
+      n[face / 2] = face % 2 == 0 ? 1.0F : -1.0F;
+      for (int i = 0; i < side * side; ++i) {
+        V3f p = n;
+        p[(face / 2 + 1) % 3] = 0.8F * (2 * (float(i % side) + 0.5F) / side - 1);
+        p[(face / 2 + 2) % 3] = 0.8F * (2 * (float(i / side) + 0.5F) / side - 1);
+        mean += double(map.irradiance(p, -n).y) / (6 * side * side);
       }
-      means.add(mean);
     }
-    expect_even_light(means, truth, neighbours);
+    means.add(mean);
   }
+  expect_even_light(means, truth, neighbours);
 }
 
 // Under a lamp the light is not even: the map's mean over the floor is still the path tracer's. The floor's middle

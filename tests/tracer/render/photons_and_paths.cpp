@@ -32,7 +32,7 @@ std::vector<Accumulator> by_photons(const LitScene& lit, const V3f& low, bool di
     frame.spacing_m = V3f(side_m, side_m, side_m) / 2;
     frame.origin_m = low + frame.spacing_m / 2;
     params.frame = frame;
-    params.photons = 50000;
+    params.photons = 30'000;
     params.guard = Guard::off;
     params.include_direct = direct;
     params.seed = seed;
@@ -60,7 +60,7 @@ std::vector<Accumulator> by_paths(const LitScene& lit, const V3f& low, bool dire
     }
   }
   ProbeParams params;
-  params.samples = 64;
+  params.samples = 32;
   params.indirect_only = !direct;
   const std::vector<ProbeResult> e = probe_scene(lit, points, params);
   std::vector<Accumulator> result(9);
