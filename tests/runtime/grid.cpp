@@ -122,7 +122,8 @@ void expect_equal(const IrradianceGrid& grid, const GpuGrid& gpu, const LookupPa
   }
   EXPECT_EQ(wrong, 0) << what;
   EXPECT_LT(undecided, points / 20) << what;
-  // Else the tolerances would hide what they are for.
+  // Else the tolerances would hide what they are for. (Points that rest on little weight are loose: of those that a
+  // wide footprint does not see, the eight vertices answer.)
   EXPECT_LT(loose, most_loose * 3 * points) << what;
 }
 
@@ -135,7 +136,7 @@ TEST_P(RuntimeGrid, ReadsAsTheCpuDoes) {
       const GpuGrid gpu = upload(grid, {kind.form});
       const LookupParams params{guard, interpolation, kind.reconstruction, 0.25F};
       const std::string defines = grid_defines(gpu, params);
-      expect_equal(grid, gpu, params, random_inputs(grid.frame, seed), defines, uneven ? 0.9 : 0.3, defines);
+      expect_equal(grid, gpu, params, random_inputs(grid.frame, seed), defines, uneven ? 0.9 : 0.36, defines);
     }
   }
 }
@@ -147,7 +148,7 @@ TEST_P(RuntimeGrid, UniformsChooseAsDefinesDo) {
     const IrradianceGrid grid = random_grid(V3i(3, 4, 2), kind.basis, rotated, false, 77);
     const GpuGrid gpu = upload(grid, {kind.form});
     const LookupParams params{guard, interpolation, kind.reconstruction, 0};
-    expect_equal(grid, gpu, params, random_inputs(grid.frame, 78), "", 0.25,
+    expect_equal(grid, gpu, params, random_inputs(grid.frame, 78), "", 0.27,
                  grid_defines(gpu, params) + " as uniforms");
   }
 }
