@@ -67,7 +67,7 @@ class BallInUniformLight : public testing::Test {
   static const FivTable& table() {
     static const FivTable baked = [] {
       FivParams params;
-      params.samples = {48, 25, 16};
+      params.samples = {64, 33, 20};
       params.hemispheres = 6;
       return bake_fiv(make_fiv_occluder(ball_scene(1, V3f(0, 0, 0), 64)), uniform_cube(Rgb(1, 1, 1), 32), params);
     }();

@@ -77,7 +77,7 @@ class TwoBalls : public testing::Test {
   static const FivTable& table() {
     static const FivTable baked = [] {
       FivParams params;
-      params.samples = {32, 17, 12};
+      params.samples = {48, 25, 16};
       params.hemispheres = 6;
       params.environment_size = 24;
       return bake_fiv(make_fiv_occluder(ball_scene()), uniform_cube(Rgb(1, 1, 1), 24), params);
