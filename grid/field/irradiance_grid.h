@@ -81,6 +81,17 @@ struct Footprint {
   bool wide = false;  // holds vertices farther than a voxel from the point: tricubic
   std::array<std::uint32_t, max_footprint> vertex;
   std::array<float, max_footprint> weight;
+
+  Footprint() = default;
+  // Of the entries that there are: most footprints have eight.
+  Footprint(const Footprint& other) { *this = other; }
+  Footprint& operator=(const Footprint& other) {
+    count = other.count;
+    wide = other.wide;
+    std::copy_n(other.vertex.begin(), count, vertex.begin());
+    std::copy_n(other.weight.begin(), count, weight.begin());
+    return *this;
+  }
 };
 
 // Bit i: the vertex of entry i sees the point that is looked up.
