@@ -76,6 +76,13 @@ OIIO::ImageSpec unassociated() {
   return config;
 }
 
+// OpenImageIO 2.4 reads Maya's IFF past its end where its sizes do not fit together.
+constexpr const char* iff_refused = "Maya IFF, which is not read";
+bool is_iff(std::span<const std::uint8_t> bytes) {
+  constexpr std::string_view magic = "FOR4";
+  return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
+}
+
 class Image : public OpenImage {
  public:
   std::string read(int channels, PixelType type, void* pixels) override {
@@ -176,6 +183,10 @@ class Codec : public ImageCodec {
     if (std::ifstream file(path, std::ios::binary); file) {
       std::vector<std::uint8_t> bytes(12);
       file.read(reinterpret_cast<char*>(bytes.data()), 12);
+      if (file && is_iff(bytes)) {
+        cause = iff_refused;
+        return nullptr;
+      }
       if (file && WebPImage::is_webp(bytes)) {
         file.seekg(0);
         bytes.assign(std::istreambuf_iterator<char>(file), {});
@@ -198,6 +209,10 @@ class Codec : public ImageCodec {
   std::unique_ptr<OpenImage> open(std::span<const std::uint8_t> bytes, const std::string& extension,
                                   std::string& cause) const override {
     if (WebPImage::is_webp(bytes)) return WebPImage::open(bytes, cause);
+    if (is_iff(bytes)) {
+      cause = iff_refused;
+      return nullptr;
+    }
     auto image = std::make_unique<Image>();
     image->memory =
         std::make_unique<OIIO::Filesystem::IOMemReader>(const_cast<std::uint8_t*>(bytes.data()), bytes.size());

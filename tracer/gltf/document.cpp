@@ -196,7 +196,7 @@ Document::Document() = default;
 Document::~Document() = default;
 
 void Document::fail(const std::string& cause, const std::string& advice) const {
-  throw Error(one_line(path), clipped(one_line(cause)), one_line(advice));
+  throw Error(path, clipped(cause), advice);
 }
 
 void Document::warn(const std::string& message) {

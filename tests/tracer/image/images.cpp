@@ -157,6 +157,20 @@ TEST_F(Images, AreWrittenWholeOrNotAtAll) {
   EXPECT_EQ(file_count(), 1U);  // nothing temporary is left
 }
 
+// Whatever it is called.
+TEST_F(Images, MayasIffIsRefused) {
+  write_display_image(path("a.iff"), {4, 2, std::vector<std::uint8_t>(24, 100)}, {}, false);
+  fs::copy_file(path("a.iff"), path("a.exr"));
+  for (const char* name : {"a.iff", "a.exr"}) {
+    try {
+      load_environment(path(name));
+      ADD_FAILURE() << name;
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find("Maya IFF"), std::string::npos) << error.what();
+    }
+  }
+}
+
 // A disk that is full in the middle of a picture: an error, the old file as it was, and nothing beside it.
 TEST_F(Images, AFullDiskIsAnErrorInEveryFormat) {
   Film film = make_film(64, 64);
