@@ -85,7 +85,7 @@ void check_claimed_size(const std::string& path, std::int64_t width, std::int64_
 StoredPicture read_other_picture(const std::string& path, const std::string& remedy) {
   std::string cause;
   const std::unique_ptr<OpenImage> image = image_codec().open(path, cause);
-  if (!image) throw Error(path, "cannot be read as an image", remedy);
+  if (!image) throw Error(path, "cannot be read as an image (" + cause + ")", remedy);
   const ImageHeader& header = image->header;
   if (header.depth > 1) throw Error(path, "is a volume, no image", remedy);
   if (header.channels < 1 || header.width < 1 || header.height < 1)
