@@ -6,19 +6,18 @@
 
 namespace ivory {
 
-// what() is the single line shown to the user: "<file>: <cause>; <remedy>". Names and causes that come from files and
-// libraries may hold line ends and other control characters; they turn into spaces.
+// What files and libraries say may hold line ends and other control characters; each turns into a space.
+inline std::string in_one_line(std::string text) {
+  for (char& c : text)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
+  return text;
+}
+
+// what() is the single line shown to the user: "<file>: <cause>; <remedy>".
 class Error : public std::runtime_error {
  public:
   Error(const std::string& file, const std::string& cause, const std::string& remedy)
       : std::runtime_error(in_one_line(file + ": " + cause + "; " + remedy)) {}
-
- private:
-  static std::string in_one_line(std::string text) {
-    for (char& c : text)
-      if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
-    return text;
-  }
 };
 
 // A parameter that is out of range, or does not go with the others or with what it is used on.

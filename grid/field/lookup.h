@@ -11,13 +11,15 @@ namespace ivory {
 // How far a look-up in that level moves off the surface, in metres: by the smallest spacing.
 float nudge_m(const GridFrame& frame, const LookupParams& params);
 
+// Where a footprint keeps less weight than this, others help out.
+inline constexpr float enough_weight = 0.25F;
+
 // The footprint read at a point in one level. visible(footprint, near) says as VisibleEntries which entries see it,
 // from as far off the surface as the level reads it; the others are left out (`near`: as visible_by_guard() has it).
 // Where what is left holds less than `enough_weight`, in narrow places, the vertices of the tricubic footprint that see
 // the point help out. Where none does, no entry is left, which reads as dark: on the outside of a lit house, and in
 // gaps that no vertex sees into. (Such gaps of a cluttered room, 8 to 32 vertices long, had 0.15 to 0.18 of its mean
 // light. The vertex least hidden by its planes answered 0.34 to 0.88.)
-inline constexpr float enough_weight = 0.25F;
 //
 // helped_footprint() does so for `near`, the trilinear one, of which `kept` is left.
 template <typename Visible>

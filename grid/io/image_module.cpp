@@ -12,6 +12,7 @@
 #include <OpenImageIO/imageio.h>
 #include <webp/decode.h>
 
+#include "grid/base/error.h"
 #include "grid/io/image_codec.h"
 
 namespace ivory {
@@ -25,8 +26,7 @@ OIIO::TypeDesc type_desc(PixelType type) {
 // What an image says went wrong, in one line, and never nothing.
 std::string said(std::string error) {
   while (!error.empty() && error.back() == '\n') error.pop_back();
-  std::replace(error.begin(), error.end(), '\n', ' ');
-  return error.empty() ? "OpenImageIO does not say why" : error;
+  return error.empty() ? "OpenImageIO does not say why" : in_one_line(error);
 }
 
 // OpenImageIO prints an unread error when the program ends.

@@ -1,4 +1,4 @@
-// A grid around the inner edge of a room, made by hand.
+// Grids around the inner edge of a room, and around a wall, made by hand.
 #pragma once
 
 #include <cmath>
@@ -8,17 +8,23 @@
 
 namespace ivory {
 
-// The room is x > 0.3, y > 0.3 m and has light of 1 lux for every normal. Vertices stand 1 m apart: those at x = 0 or
-// y = 0 outside, where E is outside_lux. Planes keep those at x = 0 from the room, but for the ones at x = y = 0,
-// behind the edge: no plane that goes by the room cuts off what they see outside of it, and so they have none. Those at
-// y = 0 have them where they are lit.
-inline IrradianceGrid inner_edge(float outside_lux) {
+// 4 x 4 x 4 vertices 1 m apart without planes, moments still to be added.
+inline IrradianceGrid grid_by_hand() {
   IrradianceGrid grid;
   grid.frame.size = V3i(4, 4, 4);
   grid.basis = Basis::ambient_cube;
   grid.visible_fraction.assign(64, 1.0F);
   grid.variance.assign(64, Rgb(0, 0, 0));
   grid.guard.assign(64, {});
+  return grid;
+}
+
+// The room is x > 0.3, y > 0.3 m and has light of 1 lux for every normal. Vertices stand 1 m apart: those at x = 0 or
+// y = 0 outside, where E is outside_lux. Planes keep those at x = 0 from the room, but for the ones at x = y = 0,
+// behind the edge: no plane that goes by the room cuts off what they see outside of it, and so they have none. Those at
+// y = 0 have them where they are lit.
+inline IrradianceGrid inner_edge(float outside_lux) {
+  IrradianceGrid grid = grid_by_hand();
   for (std::size_t v = 0; v < 64; ++v) {
     const V3i at = grid.frame.vertex_coordinates(v);
     const bool inside = at.x > 0 && at.y > 0;
@@ -54,12 +60,7 @@ inline std::vector<SurfacePoint> inner_edge_points() {
 // A wall across a grid of vertices 1 m apart, from x = 1.4 m on, `thickness_m` deep. Before it E is 1 lux for every
 // normal; in it and behind it no light. Planes are exact; vertices in the wall see the inside of it.
 inline IrradianceGrid before_a_wall(float thickness_m) {
-  IrradianceGrid grid;
-  grid.frame.size = V3i(4, 4, 4);
-  grid.basis = Basis::ambient_cube;
-  grid.visible_fraction.assign(64, 1.0F);
-  grid.variance.assign(64, Rgb(0, 0, 0));
-  grid.guard.assign(64, {});
+  IrradianceGrid grid = grid_by_hand();
   const float front = 1.4F;
   const float back = front + thickness_m;
   for (std::size_t v = 0; v < 64; ++v) {

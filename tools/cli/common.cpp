@@ -60,7 +60,7 @@ void print_result(const CommonOptions& common, const nlohmann::ordered_json& obj
 }
 
 void print_note(const CommonOptions& common, const std::string& line) {
-  if (!common.quiet) print_stderr(line + "\n");
+  if (!common.quiet) print_stderr(in_one_line(line) + "\n");
 }
 
 void print_warnings(const CommonOptions& common, const std::vector<std::string>& warnings) {

@@ -19,12 +19,7 @@ constexpr int exit_failed = 1;
 constexpr int exit_usage = 2;
 
 // Scripts read one line, whatever a library put into its message.
-ProgramEnd end(int exit_code, std::string message) {
-  for (char& c : message) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
-  return {exit_code, std::move(message)};
-}
+ProgramEnd end(int exit_code, const std::string& message) { return {exit_code, in_one_line(message)}; }
 
 // What sets a library's parameter: "--voxel-size" for voxel_size, where the command has such an option.
 std::string flag_of(const CLI::App& app, const std::string& parameter) {

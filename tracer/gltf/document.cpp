@@ -23,12 +23,6 @@ constexpr std::uint32_t bin_chunk = 0x004E4942;   // "BIN\0"
 // Far beyond what any exporter nests; recursion over the JSON stays shallow.
 constexpr int max_json_depth = 128;
 
-std::string one_line(std::string text) {
-  for (char& c : text)
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) c = ' ';
-  return text;
-}
-
 // Names and excerpts from the file may be of any length.
 std::string clipped(const std::string& text) {
   constexpr std::size_t longest = 400;
@@ -200,7 +194,7 @@ void Document::fail(const std::string& cause, const std::string& advice) const {
 }
 
 void Document::warn(const std::string& message) {
-  std::string line = one_line(path) + ": " + clipped(one_line(message));
+  std::string line = in_one_line(path + ": " + clipped(message));
   if (said.insert(line).second) warnings.push_back(std::move(line));
 }
 

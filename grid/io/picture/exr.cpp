@@ -285,9 +285,7 @@ StoredPicture read_exr_picture(const std::string& path, const std::string& remed
   } catch (const Error&) {
     throw;
   } catch (const std::exception& error) {
-    std::string what = error.what();
-    std::replace(what.begin(), what.end(), '\n', ' ');
-    throw Error(path, "is damaged (" + what + ")", "export it again");
+    throw Error(path, std::string("is damaged (") + error.what() + ")", "export it again");
   }
 }
 

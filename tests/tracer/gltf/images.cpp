@@ -11,7 +11,7 @@
 #include <webp/encode.h>
 
 #include "tests/support/gltf_check.h"
-#include "tests/support/gltf_textured.h"
+#include "tests/tracer/gltf/textured.h"
 
 namespace ivory {
 namespace {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/gltf_check.h"
-#include "tests/support/gltf_textured.h"
+#include "tests/tracer/gltf/textured.h"
 #include "tracer/core/intersector.h"
 #include "tracer/core/lit_scene.h"
 #include "tracer/core/texture.h"

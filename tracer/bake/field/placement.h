@@ -8,12 +8,14 @@
 
 namespace ivory {
 
+// Vertices along the longest side, where neither resolution nor voxel size is given.
+inline constexpr int default_long_side = 32;
+
 // Where the grid lies: it tiles `bounds`, or those of the scene along the grid's axes, exactly by `resolution` or,
 // about their centre, by cubic voxels. Flat sides get a twentieth of the longest. A turn by rotate_y_deg takes world +Z
 // towards +X. Throws Error for a scene without extent, and ParameterError for a resolution or voxel size that is below
 // 2 vertices an axis, not finite, or too fine to number the vertices. With several levels it is the finest one's frame,
 // its sides rounded up to multiples of 2^levels vertices, mostly at the far ends.
-inline constexpr int default_long_side = 32;  // vertices along it, where neither is given
 GridFrame default_frame(const Scene& scene, const GridBakeParams& params);
 
 // params.frame, or default_frame(), as the finest of params.levels levels: make_scene_lattice(), finest in
