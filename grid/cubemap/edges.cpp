@@ -65,9 +65,14 @@ Anchor make_anchor(const LocalizedCube& cube, const V3f& offset) {
   const TexelCorners& v = cube.corners[anchor.texel];
   // The nearer the shell, the less it takes to turn: 1 - share is the way left to it.
   const float share = largest(offset) * depth_in(v, right, down);
-  const float inner = inner_part * std::clamp(1 - share, 1e-3F, 1.0F);
-  right = std::clamp(right, inner, 1 - inner);
-  down = std::clamp(down, inner, 1 - inner);
+  float inner = inner_part * std::clamp(1 - share, 1e-3F, 1.0F);
+  // Where the shell comes much nearer that way, from beside a hole, what is turned must still meet it behind the
+  // receiver.
+  const auto turned = [&](float a) { return std::clamp(a, inner, 1 - inner); };
+  const float growth = largest(offset) * depth_in(v, turned(right), turned(down)) - share;
+  if (growth > 0.5F * (1 - share)) inner *= 0.5F * (1 - share) / growth;
+  right = turned(right);
+  down = turned(down);
   const CubeFaceAxes& axes = cube_face_axes(at.face);
   const float s = 2 * (float(column) + right) / float(size) - 1;
   const float t = 2 * (float(row) + down) / float(size) - 1;

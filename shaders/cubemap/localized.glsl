@@ -123,6 +123,9 @@ vec3 ivory_cube_polygon_inside(IvoryLocalizedCube cube, samplerBuffer texels, ve
   vec4 v = texelFetch(texels, texel);
   float share = ivory_largest(offset) * ivory_cube_depth_in(v, right, down);
   float inner = inner_part * clamp(1.0 - share, 1e-3, 1.0);
+  float growth = ivory_largest(offset) * ivory_cube_depth_in(v, clamp(right, inner, 1.0 - inner),
+                                                             clamp(down, inner, 1.0 - inner)) - share;
+  if (growth > 0.5 * (1.0 - share)) inner *= 0.5 * (1.0 - share) / growth;
   right = clamp(right, inner, 1.0 - inner);
   down = clamp(down, inner, 1.0 - inner);
   vec3 forward_axis, right_axis, down_axis;

@@ -83,7 +83,8 @@ Receivers make_receivers(const LocalizedCube& cube, std::uint32_t seed) {
   std::uniform_real_distribution<float> unit(0, 1);
   Receivers r;
   for (int i = 0; i < count; ++i) {
-    V3f offset = random_direction(random) * (2.5F * unit(random));
+    V3f offset = random_direction(random);
+    offset *= 2.5F * unit(random);
     if (i % 3 == 0) offset = inside_shell(cube, random_direction(random) * 1e6F);
     if (i % 5 == 0) offset[i % 3] = 0;
     if (i % 50 == 0) offset = V3f(0, 0, 0);
@@ -104,7 +105,10 @@ Receivers make_receivers(const LocalizedCube& cube, std::uint32_t seed) {
 LocalizedCube random_cube(int size, int kind, std::uint32_t seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(0, 1);
-  const Light light = [&](const V3f&) { return Rgb(unit(random), 100 * std::pow(unit(random), 4.0F), 1); };
+  const Light light = [&](const V3f&) {
+    const float red = unit(random);
+    return Rgb(red, 100 * std::pow(unit(random), 4.0F), 1);
+  };
   if (kind == 0) return make_cube(size, V3f(1, 2, 3), box_around(V3d(-1, -0.5, -2), V3d(0.7, 1.5, 1)), light);
   return make_cube(
       size, V3f(-3, 0, 1),

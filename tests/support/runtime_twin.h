@@ -49,7 +49,7 @@ inline V3f random_direction(std::mt19937& random) {
   std::normal_distribution<float> normal;
   V3f w;
   do {
-    w = V3f(normal(random), normal(random), normal(random));
+    w = V3f{normal(random), normal(random), normal(random)};
   } while (w.length2() < 1e-12F);
   return w.normalized();
 }
