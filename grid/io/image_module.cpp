@@ -263,7 +263,8 @@ class Codec : public ImageCodec {
   static std::unique_ptr<OIIO::ImageOutput> writer(const std::string& path) {
     std::unique_ptr<OIIO::ImageOutput> output = OIIO::ImageOutput::create(path);
     if (!output) last_error();
-    if (output && (output->supports("ioproxy") == 0 || output->format_name() == std::string_view("null")))
+    if (output && (output->supports("ioproxy") == 0 || output->format_name() == std::string_view("null") ||
+                   output->format_name() == std::string_view("iff")))  // which is not read, see above
       return nullptr;
     return output;
   }

@@ -20,8 +20,8 @@ void write_images(const std::string& folder) {
   std::array<float, std::size_t(8 * 4 * 3)> pixels{};
   for (std::size_t i = 0; i < pixels.size(); ++i) pixels[i] = float(i % 7) / 7;
   // No name of the time of day, as the codec writes none.
-  for (const char* extension : {"exr", "hdr", "png", "jpg", "tif", "bmp", "tga",  "webp",  "gif", "dpx",
-                                "ppm", "sgi", "jp2", "dds", "psd", "iff", "fits", "zfile", "cin", "ico"}) {
+  for (const char* extension : {"exr", "hdr", "png", "jpg", "tif", "bmp", "tga", "webp", "gif", "dpx", "ppm", "sgi",
+                                "jp2", "dds", "psd", "fits", "zfile", "cin", "ico"}) {
     const std::string path = folder + "/image." + extension;
     if (!image_codec().can_write(path)) continue;
     const bool linear = std::string(extension) == "exr" || std::string(extension) == "hdr";

@@ -159,9 +159,9 @@ TEST_F(Images, AreWrittenWholeOrNotAtAll) {
 
 // Whatever it is called.
 TEST_F(Images, MayasIffIsRefused) {
-  write_display_image(path("a.iff"), {4, 2, std::vector<std::uint8_t>(24, 100)}, {}, false);
-  fs::copy_file(path("a.iff"), path("a.exr"));
+  EXPECT_THROW(write_display_image(path("a.iff"), {4, 2, std::vector<std::uint8_t>(24, 100)}, {}, false), Error);
   for (const char* name : {"a.iff", "a.exr"}) {
+    std::ofstream(path(name)) << "FOR4" << std::string(64, '\0');
     try {
       load_environment(path(name));
       ADD_FAILURE() << name;
@@ -181,8 +181,7 @@ TEST_F(Images, AFullDiskIsAnErrorInEveryFormat) {
   for (const Rgb& p : film.pixels)
     for (int c = 0; c < 3; ++c) display.rgb.push_back(std::uint8_t(p[c] * 127));
   std::size_t count = 0;
-  for (const char* extension :
-       {"exr", "hdr", "tif", "png", "jpg", "tga", "bmp", "gif", "webp", "ppm", "dpx", "iff", "jp2"}) {
+  for (const char* extension : {"exr", "hdr", "tif", "png", "jpg", "tga", "bmp", "gif", "webp", "ppm", "dpx", "jp2"}) {
     const std::string file = path(std::string("a.") + extension);
     const bool linear = is_linear_image(file);
     const auto write = [&](bool force) {
