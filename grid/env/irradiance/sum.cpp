@@ -79,10 +79,49 @@ int rows_of_sphere(const EnvironmentImage& image) {
   return std::holds_alternative<CubeMap>(image.map) ? 2 * whole.columns() : whole.rows();
 }
 
+constexpr int parts_across = 4;  // that a texel, and a part of one, is divided into
+
+// A texel, or a part of one.
 struct Part {
   V3d first;
-  double limit;  // of first.n for the horizon to cut it
+  double limit = 0;  // of first.n for the horizon to cut it
+  int level = 0;     // each divides the one before
+  int row = 0, column = 0;
+  std::size_t parts = 0;  // where the first of its own stands; 0 before they are asked for
 };
+
+Part make_part(const std::vector<Texels>& levels, int level, int row, int column) {
+  const TexelMoments m = levels[std::size_t(level)].moments(row, column);
+  if (!(m.solid_angle > 0)) return {V3d(0, 0, 0), 0, level, row, column};
+  return {m.first, m.solid_angle * reach(m), level, row, column};
+}
+
+// What a normal gets of radiance 1, and what that may be wrong by.
+struct Gain {
+  double e = 0;
+  double off = 0;
+};
+
+// Of the part at index i of a tree that grows where horizons cut it.
+Gain gain_of(std::vector<Part>& tree, std::size_t i, const std::vector<Texels>& levels, const V3d& n) {
+  const double x = tree[i].first.dot(n);
+  if (std::abs(x) >= tree[i].limit) return {std::max(0.0, x), 0};
+  if (tree[i].level + 1 == int(levels.size())) return {std::max(0.0, x), 0.5 * tree[i].limit};
+  if (tree[i].parts == 0) {
+    const Part whole = tree[i];
+    tree[i].parts = tree.size();
+    for (int part = 0; part < parts_across * parts_across; ++part)
+      tree.push_back(make_part(levels, whole.level + 1, whole.row * parts_across + part / parts_across,
+                               whole.column * parts_across + part % parts_across));
+  }
+  Gain sum;
+  for (std::size_t part = tree[i].parts, end = part + parts_across * parts_across; part < end; ++part) {
+    const Gain gain = gain_of(tree, part, levels, n);
+    sum.e += gain.e;
+    sum.off += gain.off;
+  }
+  return sum;
+}
 
 struct Normals {
   std::vector<double> x, y, z;
@@ -93,46 +132,33 @@ struct Sums {
   std::vector<double> r_off, g_off, b_off;  // what they may be wrong by
 };
 
-void add_row(const Texels& whole, const Texels& parts, int k, int row, const Normals& n, Sums& sums) {
+void add_row(const std::vector<Texels>& levels, int row, const Normals& n, Sums& sums) {
   const std::size_t count = n.x.size();
   std::vector<double> x(count);
-  std::vector<Part> divided;
-  for (int column = 0; column < whole.columns(); ++column) {
-    const Rgb radiance = whole.radiance(row, column);
-    const TexelMoments m = whole.moments(row, column);
-    if (is_black(radiance) || !(m.solid_angle > 0)) continue;
+  std::vector<Part> tree;
+  for (int column = 0; column < levels.front().columns(); ++column) {
+    const Rgb radiance = levels.front().radiance(row, column);
+    const Part texel = make_part(levels, 0, row, column);
+    if (is_black(radiance) || !(texel.limit > 0)) continue;
     const V3d l(radiance);
     for (std::size_t i = 0; i < count; ++i) {
-      x[i] = m.first.x * n.x[i] + m.first.y * n.y[i] + m.first.z * n.z[i];
+      x[i] = texel.first.x * n.x[i] + texel.first.y * n.y[i] + texel.first.z * n.z[i];
       const double above = 0.5 * (x[i] + std::abs(x[i]));  // max(0, x) to the bit, without a branch
       sums.r[i] += l.x * above;
       sums.g[i] += l.y * above;
       sums.b[i] += l.z * above;
     }
-    const double limit = m.solid_angle * reach(m);
-    divided.clear();
+    tree.assign(1, texel);
     for (std::size_t i = 0; i < count; ++i) {
-      if (std::abs(x[i]) >= limit) continue;
-      if (divided.empty()) {
-        for (int part = 0; part < k * k; ++part) {
-          const TexelMoments p = parts.moments(row * k + part / k, column * k + part % k);
-          if (p.solid_angle > 0) divided.push_back({p.first, p.solid_angle * reach(p)});
-        }
-      }
-      double e = 0;
-      double off = 0;
-      for (const Part& p : divided) {
-        const double xp = p.first.x * n.x[i] + p.first.y * n.y[i] + p.first.z * n.z[i];
-        e += std::max(0.0, xp);
-        off += std::abs(xp) < p.limit ? 0.5 * p.limit : 0.0;
-      }
-      const double more = e - std::max(0.0, x[i]);
+      if (std::abs(x[i]) >= texel.limit) continue;
+      const Gain gain = gain_of(tree, 0, levels, {n.x[i], n.y[i], n.z[i]});
+      const double more = gain.e - std::max(0.0, x[i]);
       sums.r[i] += l.x * more;
       sums.g[i] += l.y * more;
       sums.b[i] += l.z * more;
-      sums.r_off[i] += l.x * off;
-      sums.g_off[i] += l.y * off;
-      sums.b_off[i] += l.z * off;
+      sums.r_off[i] += l.x * gain.off;
+      sums.g_off[i] += l.y * gain.off;
+      sums.b_off[i] += l.z * gain.off;
     }
   }
 }
@@ -142,10 +168,10 @@ void add_row(const Texels& whole, const Texels& parts, int k, int row, const Nor
 IrradianceSums sum_irradiance(const EnvironmentImage& image, std::span<const V3f> normals) {
   constexpr std::size_t block = 4096;  // normals at a time, for memory
   constexpr int chunks = 64;           // of rows, whatever the number of threads
-  const int sphere_rows = rows_of_sphere(image);
-  const int k = std::clamp((4096 + sphere_rows - 1) / sphere_rows, 4, 64);
-  const Texels whole(image, 1);
-  const Texels parts(image, k);
+  std::vector<Texels> levels;
+  for (int k = 1, rows = rows_of_sphere(image); k <= 4 || (k <= 64 && k / parts_across * rows < 4096);
+       k *= parts_across)
+    levels.emplace_back(image, k);
   IrradianceSums out;
   for (std::size_t first = 0; first < normals.size(); first += block) {
     const std::size_t count = std::min(block, normals.size() - first);
@@ -158,9 +184,9 @@ IrradianceSums sum_irradiance(const EnvironmentImage& image, std::span<const V3f
     const std::vector<double> zeros(count, 0.0);
     std::vector<Sums> sums(chunks);
     tbb::parallel_for(0, chunks, [&](int chunk) {
-      const auto edge = [&](int i) { return int(std::int64_t(whole.rows()) * i / chunks); };
+      const auto edge = [&](int i) { return int(std::int64_t(levels.front().rows()) * i / chunks); };
       Sums& own = sums[std::size_t(chunk)] = {zeros, zeros, zeros, zeros, zeros, zeros};
-      for (int row = edge(chunk); row < edge(chunk + 1); ++row) add_row(whole, parts, k, row, n, own);
+      for (int row = edge(chunk); row < edge(chunk + 1); ++row) add_row(levels, row, n, own);
     });
     for (std::size_t i = 0; i < count; ++i) {
       V3d e(0, 0, 0);

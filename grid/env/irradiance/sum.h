@@ -13,8 +13,8 @@ struct IrradianceSums {
   V3d error_bound{0, 0, 0};  // for all of them: |e - exact| is at most this, for maps constant over each texel
 };
 
-// Normals are unit vectors. Texels above the horizon count exactly; those that it cuts are divided, to 4096 rows or
-// more over the sphere where 64 by 64 parts suffice for that. On all of TBB's threads; the bits do not depend on their
+// Normals are unit vectors. Texels above the horizon count exactly; those that it cuts are divided by 4 by 4, and their
+// parts again, to 4096 rows or more over the sphere where three times suffice for that. On all of TBB's threads; the bits do not depend on their
 // number.
 IrradianceSums sum_irradiance(const EnvironmentImage& image, std::span<const V3f> normals);
 
