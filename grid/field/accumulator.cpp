@@ -37,6 +37,7 @@ std::string difference(const GridAccumulator& a, const GridAccumulator& b) {
   if (a.basis != b.basis) return "basis";
   if (a.estimator != b.estimator) return "estimator";
   if (a.frame != b.frame || a.finer != b.finer || a.anchor_m != b.anchor_m) return "resolution or placement";
+  if (!std::ranges::equal(a.groups, b.groups, {}, &SumGroup::name, &SumGroup::name)) return "groups of lights";
   if (a.quantum != b.quantum || a.quantum_squared != b.quantum_squared) return "fixed-point unit";
   // Of a ray along an edge two kinds of CPU may say different things: Embree has code of its own for each.
   if (a.visible_fraction != b.visible_fraction || a.guard != b.guard)
@@ -76,10 +77,15 @@ GridAccumulator merge(std::vector<GridAccumulator> parts, const std::vector<std:
                       " before it are missing",
                   "bake that range and give it too");
     }
-    for (std::size_t at = 0; at < total.sums.size(); ++at) {
-      if (__builtin_add_overflow(total.sums[at], part.sums[at], &total.sums[at]))
-        throw Error(part_name, "the sums exceed 64 bits", "merge fewer photons");
-    }
+    const auto add = [&](std::vector<std::int64_t>& sums, const std::vector<std::int64_t>& more) {
+      for (std::size_t at = 0; at < sums.size(); ++at) {
+        if (__builtin_add_overflow(sums[at], more[at], &sums[at]))
+          throw Error(part_name, "the sums exceed 64 bits", "merge fewer photons");
+      }
+    };
+    add(total.sums, part.sums);
+    for (std::size_t group = 0; group < total.groups.size(); ++group)
+      add(total.groups[group].sums, part.groups[group].sums);
     for (const auto& [key, value] : part.counters) total.counters[key] += value;
     total.photon_end = part.photon_end;
   }

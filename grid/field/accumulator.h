@@ -36,6 +36,12 @@ struct SumLayout {
 // Throws ParameterError for a face estimator on a basis other than vectors.
 SumLayout sum_layout(Basis basis, Estimator estimator);
 
+// What the lights of one group brought, of a bake that keeps groups apart.
+struct SumGroup {
+  std::string name;
+  std::vector<std::int64_t> sums;  // as GridAccumulator::sums
+};
+
 struct GridAccumulator : GridVertices {
   Estimator estimator = Estimator::track;
   // [vertex][slot][function 0, 1, ..., second moment][rgb] in units of the quanta. track sums flux times length, the
@@ -49,6 +55,8 @@ struct GridAccumulator : GridVertices {
   std::uint64_t photon_end = 0;
   // Integer totals over the photons traced ("ledger_emitted", "photons_traced", ...), added up by merge().
   std::map<std::string, std::int64_t> counters;
+  // They add up to `sums`, exactly; empty: groups were not kept apart.
+  std::vector<SumGroup> groups;
 };
 
 // Adds up parts of one bake; names[i] is what messages call parts[i]. Throws ParameterError for no parts, and Error

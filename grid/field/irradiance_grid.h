@@ -40,11 +40,25 @@ struct GridVertices : Lattice {
   Metadata metadata;
 };
 
-struct IrradianceGrid : GridVertices {
+// What is stored of light.
+struct StoredMoments {
   std::vector<float> moments;  // [vertex][function][rgb], lux
   // [vertex] variance of one measurement of E, lux^2 per channel: photon noise, estimated for light spread over the
   // receiver's hemisphere.
   std::vector<Rgb> variance;
+};
+
+// Metadata of grids and sums that keep groups apart: their names.
+inline constexpr const char* light_groups_key = "light_groups";
+
+// Of the lights of one group, in a grid that keeps groups apart.
+struct GridGroup : StoredMoments {
+  std::string name;
+};
+
+struct IrradianceGrid : GridVertices, StoredMoments {
+  // What adds up to the moments, but for rounding; empty: groups were not kept apart.
+  std::vector<GridGroup> groups;
 
   // Floats a vertex, and where a vertex's begin.
   int stride() const { return function_count(basis) * 3; }

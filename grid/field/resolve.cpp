@@ -74,18 +74,16 @@ Moments convert_from_vectors(Basis basis, const Moments& v) {
   return out;
 }
 
-}  // namespace
-
-IrradianceGrid resolve(const GridAccumulator& accumulator) {
+// Of those sums, which are the accumulator's own or a group's.
+StoredMoments resolve(const GridAccumulator& accumulator, const std::vector<std::int64_t>& sums) {
   const SumLayout layout = sum_layout(accumulator.basis, accumulator.estimator);
   const std::size_t vertices = accumulator.vertex_count();
-  assert(accumulator.sums.size() == vertices * std::size_t(layout.stride()));
+  const auto stride = std::size_t(function_count(accumulator.basis)) * 3;
+  assert(sums.size() == vertices * std::size_t(layout.stride()));
   const auto photons = static_cast<double>(accumulator.photon_end - accumulator.photon_begin);
 
-  IrradianceGrid grid{accumulator, {}, {}};
-  grid.moments.assign(vertices * std::size_t(grid.stride()), 0.0F);
-  grid.variance.assign(vertices, Rgb(0, 0, 0));
-  if (photons == 0) return grid;
+  StoredMoments out{std::vector<float>(vertices * stride, 0.0F), std::vector<Rgb>(vertices, Rgb(0, 0, 0))};
+  if (photons == 0) return out;
 
   for (std::size_t vertex = 0; vertex < vertices; ++vertex) {
     const int level = accumulator.level_of(std::uint32_t(vertex));
@@ -94,7 +92,7 @@ IrradianceGrid resolve(const GridAccumulator& accumulator) {
     const double quantum_squared = std::ldexp(accumulator.quantum_squared, -2 * level);
     const float fraction = accumulator.visible_fraction[vertex];
     if (fraction <= 0) continue;
-    const std::int64_t* source = accumulator.sums.data() + vertex * std::size_t(layout.stride());
+    const std::int64_t* source = sums.data() + vertex * std::size_t(layout.stride());
 
     double measure = 0;  // m^3 or m^2, times photons
     Moments moments{};
@@ -110,9 +108,8 @@ IrradianceGrid resolve(const GridAccumulator& accumulator) {
       moments = fold_hemispheres(source, layout, V3f(h.y * h.z, h.x * h.z, h.x * h.y));
     }
 
-    float* target = grid.moments.data() + vertex * std::size_t(grid.stride());
-    for (std::size_t f = 0; f < std::size_t(grid.stride()); ++f)
-      target[f] = static_cast<float>(moments[f] * quantum / measure);
+    float* target = out.moments.data() + vertex * stride;
+    for (std::size_t f = 0; f < stride; ++f) target[f] = static_cast<float>(moments[f] * quantum / measure);
 
     // Photons arrive independently, so the variance of a sum is the sum of squares. A receiver weighs each with max(0,
     // n.w), whose square averages 1/3 over its hemisphere.
@@ -122,9 +119,22 @@ IrradianceGrid resolve(const GridAccumulator& accumulator) {
       double squares = 0;
       for (int slot = 0; slot < layout.slots; ++slot)
         squares += static_cast<double>(source[slot * layout.lanes() + 3 * layout.functions + int(c)]);
-      grid.variance[vertex][c] = static_cast<float>(squares * quantum_squared / (3 * measure * measure * area * area));
+      out.variance[vertex][c] = static_cast<float>(squares * quantum_squared / (3 * measure * measure * area * area));
     }
   }
+  return out;
+}
+
+}  // namespace
+
+IrradianceGrid resolve(const GridAccumulator& accumulator) {
+  return {accumulator, resolve(accumulator, accumulator.sums), {}};
+}
+
+IrradianceGrid resolve_groups(const GridAccumulator& accumulator) {
+  IrradianceGrid grid = resolve(accumulator);
+  for (const SumGroup& group : accumulator.groups)
+    grid.groups.push_back({resolve(accumulator, group.sums), group.name});
   return grid;
 }
 

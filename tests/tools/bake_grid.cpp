@@ -1,5 +1,7 @@
 // ivory bake grid, merge and info: the same bytes from the same command, grids placed by hand.
 
+#include <sstream>
+
 #include "tests/tools/script.h"
 
 namespace ivory::script {
@@ -176,6 +178,65 @@ TEST(BakeGrid, MergeRefusesPartsThatDoNotFit) {
   expect_refused(folder, "merge a.vdb seed.vdb -o x.vdb", 1, "seed");
   expect_refused(folder, "merge whole.vdb -o x.vdb", 1, "finished grid");
   expect_refused(folder, "probe a.vdb --points x -o x.csv", 1, "x");
+  EXPECT_FALSE(fs::exists(folder / "x.vdb"));
+}
+
+// By one spacing and by several, in one go and in parts.
+TEST(BakeGrid, GroupsOfLightsAreMixedAfterTheBake) {
+  const auto folder = scratch_folder("groups");
+  const std::string rooms = std::string(source_folder) + "/scenes/two_rooms.gltf";
+  const std::string sky = std::string(source_folder) + "/scenes/sky.hdr";
+  for (const std::string spacing : {"--resolution 4,3,9 ", "--voxel-size 0.3 --levels 2 "}) {
+    const std::string bake = "bake grid " + rooms + " --env " + sky + " --photons 40k -q -f " + spacing;
+    const std::string groups = "--groups sky=@environment --groups extras ";
+    ASSERT_EQ(ivory(folder, bake + "-o whole.vdb").exit_code, 0);
+    const Outcome grouped = ivory(folder, bake + groups + "-o groups.vdb --json");
+    ASSERT_EQ(grouped.exit_code, 0) << grouped.err;
+    const Json shares = Json::parse(grouped.out)["groups"];
+    ASSERT_EQ(shares.size(), 2);
+    EXPECT_EQ(shares[0]["name"], "sky");
+    EXPECT_EQ(shares[1]["name"], "rest");
+    EXPECT_NEAR(shares[0]["share"].get<double>() + shares[1]["share"].get<double>(), 1, 1e-9);
+    EXPECT_EQ(Json::parse(ivory(folder, "info groups.vdb --json").out)["light_groups"], "sky rest");
+    for (const std::string range : {"0:9000", "9000:40000"})
+      ASSERT_EQ(
+          ivory(folder, bake + groups + "--photon-range " + range + " -o " + range.substr(0, 1) + ".vdb").exit_code, 0);
+    EXPECT_EQ(ivory(folder, "merge 0.vdb 9.vdb -q -f -o merged.vdb").exit_code, 0);
+    EXPECT_EQ(read_file(folder / "merged.vdb"), read_file(folder / "groups.vdb"));
+    // Untouched, it is the whole; all of it dimmed, the whole dimmed.
+    EXPECT_EQ(ivory(folder, "mix groups.vdb -q -f -o mixed.vdb --scale rest=1 --tint sky=1,1,1").exit_code, 0);
+    EXPECT_EQ(read_file(folder / "mixed.vdb"), read_file(folder / "whole.vdb"));
+    EXPECT_EQ(
+        ivory(folder, "mix groups.vdb -q -f -o half.vdb --scale sky=0.5 --scale rest=2 --tint rest=0.25,1,0").exit_code,
+        0);
+    EXPECT_EQ(Json::parse(ivory(folder, "info half.vdb --json").out)["mix"], "sky=0.5,0.5,0.5 rest=0.5,2,0");
+    EXPECT_EQ(ivory(folder, "mix groups.vdb -q -f -o rest.vdb --scale sky=0").exit_code, 0);
+    write_file(folder / "p.csv", "x,y,z,nx,ny,nz\n0,1,0,0,1,0\n");
+    const auto e = [&](const std::string& grid) {
+      const Outcome probe = ivory(folder, "probe " + grid + " --points p.csv -q -f -o e.csv");
+      EXPECT_EQ(probe.exit_code, 0) << probe.err;
+      const std::string text = read_file(folder / "e.csv");
+      std::istringstream cells(text.substr(text.find('\n') + 1));
+      std::vector<double> values;
+      for (std::string cell; std::getline(cells, cell, ',');) values.push_back(std::stod(cell));
+      return std::vector<double>(values.begin() + 6, values.begin() + 9);
+    };
+    // The rooms are closed: all of it is the lamp's.
+    const std::vector<double> whole = e("whole.vdb");
+    const std::vector<double> half = e("half.vdb");
+    EXPECT_GT(whole[0], 0);
+    EXPECT_NEAR(half[0], 0.5 * whole[0], 1e-5 * whole[0]);
+    EXPECT_NEAR(half[1], 2 * whole[1], 1e-5 * whole[1]);
+    EXPECT_EQ(half[2], 0);
+    EXPECT_NEAR(e("rest.vdb")[0], whole[0], 1e-5 * whole[0]);
+  }
+  expect_refused(folder, "mix whole.vdb -o x.vdb", 1, "--groups");
+  expect_refused(folder, "mix groups.vdb -o x.vdb --scale hall=1", 1, "sky, rest");
+  expect_refused(folder, "mix groups.vdb -o x.vdb --scale sky=-1", 2, "--scale");
+  expect_refused(folder, "mix groups.vdb -o x.vdb --scale sky", 2, "--scale");
+  expect_refused(folder, "mix groups.vdb -o x.vdb --tint sky=1,nan,1", 2, "--tint");
+  expect_refused(folder, "bake grid " + rooms + " -o x.vdb --resolution 4 --groups sky=@environment", 2, "--groups");
+  expect_refused(folder, "bake grid " + rooms + " -o x.vdb --resolution 4 --groups sky", 2, "--groups");
   EXPECT_FALSE(fs::exists(folder / "x.vdb"));
 }
 

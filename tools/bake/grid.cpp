@@ -1,5 +1,6 @@
 // ivory bake grid: photons through a scene into an irradiance-vector grid.
 #include <chrono>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -30,6 +31,7 @@ struct BakeGridOptions {
   EnvironmentChoice environment;
   std::optional<Imath::Box3d> bounds;  // in the world
   std::vector<std::string> dynamic;    // regions
+  std::vector<std::string> groups;
   std::uint64_t seed = 1;
   GridBakeParams params;
   GridContractOptions contract;
@@ -45,6 +47,22 @@ std::vector<Imath::Box3d> parse_regions(const std::vector<std::string>& texts) {
   for (const std::string& text : texts)
     regions.push_back(parse_box("--dynamic", text, "none or a box X0,Y0,Z0:X1,Y1,Z1"));
   return regions;
+}
+
+// "hall=Lamp*,Neon*"; `extras` alone: no rule.
+std::vector<LightGroupRule> parse_groups(const std::vector<std::string>& texts) {
+  std::vector<LightGroupRule> rules;
+  for (const std::string& text : texts) {
+    if (text == "extras") continue;
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
+      throw UsageError("--groups: '" + text + "' is neither GROUP=PATTERN,... nor extras");
+    LightGroupRule rule{text.substr(0, equals), {}};
+    std::istringstream patterns(text.substr(equals + 1));
+    for (std::string pattern; std::getline(patterns, pattern, ',');) rule.patterns.push_back(pattern);
+    rules.push_back(std::move(rule));
+  }
+  return rules;
 }
 
 // The input's first.
@@ -99,6 +117,7 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   GridBakeParams params = options.params;
   params.seed = options.seed;
   const std::vector<Imath::Box3d> regions = parse_regions(options.dynamic);
+  const std::vector<LightGroupRule> rules = parse_groups(options.groups);
   params.threads = thread_count(common);
   sum_layout(params.basis, params.estimator);  // refuses bases that the estimator cannot fill
   if (params.photon_range && params.photons != 0 && params.photon_range->second > params.photons) {
@@ -131,6 +150,7 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
     else
       params.lattice = placed;
   });
+  if (!options.groups.empty()) params.groups = make_light_groups(input.lit.lights, *input.lit.scene, rules);
   if (contract) return run_contract(options, params, input, common);
   const Lattice& lattice = *params.lattice;
   if (const int threads = affordable_threads(input.lit, lattice, params); threads < params.threads) {
@@ -225,6 +245,13 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
   command.add_count("--seed", options->seed, "Seed of the random numbers");
   command.add_count("--bounces", params.max_bounces, 1, 1'000'000,
                     "Surfaces a photon may scatter at; Russian roulette ends most before");
+  command
+      .add_option("--groups", options->groups,
+                  "Keeps the light of some lamps apart, for 'ivory mix' and the viewer: a group's name and its nodes'\n"
+                  "names, with * and ?, @environment or @suns; may be repeated. Other lights go by\n"
+                  "extras.ivory_group of their nodes (to ask for that alone: extras), the others to group 'rest'")
+      .repeated()
+      .type_name("GROUP=PATTERN,..|extras");
   command.add_flag("--direct", params.include_direct, "Store light straight from its sources too");
   add_environment_options(command, options->environment);
   add_scene_options(command, options->load);

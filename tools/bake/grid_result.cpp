@@ -38,6 +38,27 @@ std::int64_t bytes_read(const GridAccumulator& accumulator) {
          std::int64_t(sizeof(float)) + (accumulator.guard.empty() ? 0 : std::int64_t(sizeof(GuardRecord)));
 }
 
+// Of all that was added to the coarsest level's vertices, each group's part, whatever the direction.
+Json groups_json(const GridAccumulator& accumulator) {
+  const SumLayout layout = sum_layout(accumulator.basis, accumulator.estimator);
+  // The moments of octants are of |w|, and the first of spherical harmonics is constant: neither is negative.
+  const int counted = layout.slots == 1 ? 1 : layout.functions;
+  const auto total = [&](const std::vector<std::int64_t>& sums) {
+    double sum = 0;
+    for (std::size_t slot = 0; slot < accumulator.vertex_count_of(0) * std::size_t(layout.slots); ++slot) {
+      for (int i = 0; i < 3 * counted; ++i)
+        sum += std::abs(double(sums[slot * std::size_t(layout.lanes()) + std::size_t(i)]));
+    }
+    return sum;
+  };
+  Json groups = Json::array();
+  if (accumulator.groups.empty()) return groups;
+  const double all = total(accumulator.sums);
+  for (const SumGroup& group : accumulator.groups)
+    groups.push_back({{"name", group.name}, {"share", all > 0 ? total(group.sums) / all : 0.0}});
+  return groups;
+}
+
 double share(std::size_t part, std::size_t whole) { return whole == 0 ? 0 : double(part) / double(whole); }
 
 // Of what photons left too little; empty where there is enough.
@@ -59,9 +80,11 @@ bool is_whole(const GridAccumulator& accumulator) {
 Json write_result(const std::string& path, GridAccumulator accumulator, bool finished, const CommonOptions& common) {
   const Evidence found = evidence(accumulator);
   const std::string doubt = few_photons_text(found);
+  const Json groups = groups_json(accumulator);
   if (finished) {
-    IrradianceGrid grid = resolve(accumulator);
+    IrradianceGrid grid = resolve_groups(accumulator);
     std::vector<std::int64_t>().swap(accumulator.sums);  // gives the memory back, which = {} does not
+    std::vector<SumGroup>().swap(accumulator.groups);
     if (!doubt.empty()) grid.metadata["few_photons"] = doubt;
     grid.metadata["photon_begin"] = std::int64_t(accumulator.photon_begin);
     grid.metadata["photon_end"] = std::int64_t(accumulator.photon_end);
@@ -85,6 +108,7 @@ Json write_result(const std::string& path, GridAccumulator accumulator, bool fin
               {"photons", whole_photons(accumulator)},
               {"photon_range", {accumulator.photon_begin, accumulator.photon_end}},
               {"energy", ledger_json(accumulator)}};
+  if (!groups.empty()) result["groups"] = groups;
   if (accumulator.levels() > 1) {
     result["levels"] = Json::array();  // the coarsest first
     for (int level = 0; level < accumulator.levels(); ++level) {
@@ -140,6 +164,12 @@ std::string result_text(const Json& result) {
     text += fmt::format("; of their power {:.2f} % absorbed, {:.2f} % escaped, {:.2g} % cut off by --bounces",
                         100 * energy["absorbed"].get<double>(), 100 * energy["escaped"].get<double>(),
                         100 * energy["terminated"].get<double>());
+  }
+  if (result.contains("groups")) {
+    text += "\ngroups:";
+    for (const auto& group : result["groups"])
+      text += fmt::format(" {} {:.3g} %", group["name"].get<std::string>(), 100 * group["share"].get<double>());
+    text += " of the light";
   }
   if (const auto& met = result["photons_a_vertex"]; met["none_share"].get<double>() < 1) {
     text += fmt::format("\nabout {:.3g} photons came to a vertex (median)", met["median"].get<double>());

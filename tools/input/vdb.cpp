@@ -30,7 +30,10 @@ auto read_safely(const std::string& path, const Read& read) {
 
 }  // namespace
 
-IrradianceGrid load_grid_vdb(const std::string& path) { return read_safely(path, read_grid_vdb); }
+IrradianceGrid load_grid_vdb(const std::string& path, bool with_groups) {
+  return read_safely(
+      path, [&](const std::string& p, const std::string& copy) { return read_grid_vdb(p, copy, with_groups); });
+}
 
 GridAccumulator load_accumulator_vdb(const std::string& path) { return read_safely(path, read_accumulator_vdb); }
 

@@ -131,7 +131,8 @@ struct Instance {
 struct SceneNode {
   std::string name;
   int parent = no_index;
-  std::string fiv_table;  // extras.ivory_occluder: the FIV table of what hangs below; empty: none
+  std::string fiv_table;    // extras.ivory_occluder: the FIV table of what hangs below; empty: none
+  std::string light_group;  // extras.ivory_group: of the lights that hang below; empty: none of its own
 };
 
 struct Camera {
@@ -181,6 +182,7 @@ struct Scene {
   std::vector<SceneNode> nodes;
   std::vector<Camera> cameras;
   std::vector<PunctualLight> lights;
+  std::vector<int> light_nodes;  // [light] the node that placed it; empty in a scene without nodes
   std::vector<SphereLight> sphere_lights;
   std::optional<EnvironmentMap> environment;
   std::string content_hash;  // of the file and everything it refers to, hexadecimal

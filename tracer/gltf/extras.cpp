@@ -100,14 +100,27 @@ std::optional<SphereLight> read_sphere_light(const Document& document, std::size
   return light;
 }
 
-std::string read_fiv_table(const Document& document, std::size_t node) {
+namespace {
+
+// The node's text of that name among its extras, `what` in words; empty where there is none.
+std::string read_node_text(const Document& document, std::size_t node, const char* name, const char* what) {
   const json& source = element(document, "nodes", node);
-  const json* table = extra(source, "ivory_occluder");
-  if (table == nullptr) return {};
-  if (!table->is_string() || table->get<std::string>().empty())
-    fail(document, label("nodes", node, source.value("name", std::string())) + ".extras", "ivory_occluder",
-         "the name of an FIV table");
-  return path_beside(document, table->get<std::string>());
+  const json* text = extra(source, name);
+  if (text == nullptr) return {};
+  if (!text->is_string() || text->get<std::string>().empty())
+    fail(document, label("nodes", node, source.value("name", std::string())) + ".extras", name, what);
+  return text->get<std::string>();
+}
+
+}  // namespace
+
+std::string read_fiv_table(const Document& document, std::size_t node) {
+  const std::string table = read_node_text(document, node, "ivory_occluder", "the name of an FIV table");
+  return table.empty() ? table : path_beside(document, table);
+}
+
+std::string read_light_group(const Document& document, std::size_t node) {
+  return read_node_text(document, node, "ivory_group", "the name of a group of lights");
 }
 
 }  // namespace ivory::gltf

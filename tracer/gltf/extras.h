@@ -16,4 +16,8 @@ std::optional<SphereLight> read_sphere_light(const Document& document, std::size
 // nodes[i].extras.ivory_occluder: the name of an FIV table, relative to the file. Empty where there is none.
 std::string read_fiv_table(const Document& document, std::size_t node);
 
+// nodes[i].extras.ivory_group: the group of the lights below it, for bakes that keep groups apart. Empty where there is
+// none.
+std::string read_light_group(const Document& document, std::size_t node);
+
 }  // namespace ivory::gltf

@@ -187,6 +187,18 @@ Lights& Lights::operator=(Lights&&) noexcept = default;
 
 bool Lights::empty() const { return state_->picks().table.empty(); }
 
+std::size_t Lights::count() const { return state_->environment_index() + (state_->environment ? 1 : 0); }
+
+int Lights::node_of(std::size_t light) const {
+  const State& state = *state_;
+  if (light < state.punctual_count())
+    return state.scene->light_nodes.empty() ? no_index : state.scene->light_nodes[light];
+  if (is_environment(light)) return no_index;
+  return state.scene->instances[std::size_t(state.emitters[light - state.punctual_count()].instance)].node;
+}
+
+bool Lights::is_environment(std::size_t light) const { return light >= state_->environment_index(); }
+
 bool Lights::has_extended() const {
   return !state_->emitters.empty() || (state_->environment && !state_->environment->texels.empty());
 }
@@ -220,6 +232,7 @@ EmittedPhoton Lights::emit(const Emission& emission, RandomStream& random) const
     photon = ivory::emit(*state.environment, discs, random);
   }
   photon.power /= picks.probability[choice];
+  photon.light = int(choice);
   return photon;
 }
 

@@ -14,9 +14,10 @@
 namespace ivory {
 
 struct EmittedPhoton {
-  V3f origin;     // world
-  V3f direction;  // unit, the way the photon flies
-  Rgb power;      // lumen carried, so that the mean over photons times 1 is the scene's total flux
+  V3f origin;            // world
+  V3f direction;         // unit, the way the photon flies
+  Rgb power;             // lumen carried, so that the mean over photons times 1 is the scene's total flux
+  int light = no_index;  // that sent it, among all: see Lights::count()
 };
 
 struct LightSample {
@@ -40,7 +41,13 @@ class Lights {
   Lights(Lights&&) noexcept;
   Lights& operator=(Lights&&) noexcept;
 
-  bool empty() const;          // nothing emits
+  bool empty() const;  // nothing emits
+  // Lights are numbered: punctual ones as in the scene, then emissive triangles and whole instances by instance, then
+  // the environment.
+  std::size_t count() const;
+  // The scene's node that placed a light; no_index for the environment and in a scene without nodes.
+  int node_of(std::size_t light) const;
+  bool is_environment(std::size_t light) const;
   bool has_extended() const;   // emissive triangles or an environment: light that rays can run into
   Rgb total_power_lm() const;  // per channel; directional and environment light enter through the
                                // disc over the scene's bounding sphere

@@ -202,6 +202,7 @@ EmittedPhoton Lights::emit_guided(const Emission& emission, RandomStream& random
   const Imath::V2d direction(at.u[axis_direction], at.u[axis_direction + 1]);
   EmittedPhoton photon;
   double probability = 1;
+  std::size_t light = source.light;
   switch (source.kind) {
     case StratumSource::Kind::sun:
       photon = ivory::emit(std::get<DirectionalLight>(scene.lights[source.light]), from.discs, source.disc,
@@ -211,14 +212,15 @@ EmittedPhoton Lights::emit_guided(const Emission& emission, RandomStream& random
     case StratumSource::Kind::sky:
       photon =
           ivory::emit(*state.environment, strata.sky, direction, from.discs, source.disc, sample_disc_compact(place));
-      probability = double(from.picks.probability[state.environment_index()]);
+      light = state.environment_index();
+      probability = double(from.picks.probability[light]);
       break;
     case StratumSource::Kind::lamps:
     case StratumSource::Kind::emitters: {
       const Inverse which = source.last - source.first > 1
                                 ? invert(strata.before, source.first, source.last, at.u[axis_which])
                                 : Inverse{source.first, at.u[axis_which]};
-      const std::size_t light = strata.members[which.index];
+      light = strata.members[which.index];
       probability = double(from.picks.probability[light]);
       if (source.kind == StratumSource::Kind::lamps) {
         photon = ivory::emit(scene.lights[light], direction);
@@ -240,6 +242,7 @@ EmittedPhoton Lights::emit_guided(const Emission& emission, RandomStream& random
     }
   }
   photon.power *= float(1 / (probability * at.density));
+  photon.light = int(light);
   return photon;
 }
 

@@ -33,6 +33,10 @@ void add_rgb(std::vector<VectorField>& fields, std::string name, int function) {
 
 std::string level_suffix(int level) { return level == 0 ? "" : "_level" + std::to_string(level); }
 
+std::string in_group(const std::string& group, const std::string& grid_name) {
+  return group.empty() ? grid_name : group + "_" + grid_name;
+}
+
 std::string guard_name(int half) { return "guard_" + std::to_string(half); }
 
 std::array<float, 6> floats_from_guard(const GuardRecord& record) {

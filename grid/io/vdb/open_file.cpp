@@ -1,6 +1,8 @@
 #include "grid/io/vdb/open_file.h"
 
 #include <cmath>
+#include <iterator>
+#include <sstream>
 #include <utility>
 
 #include "grid/base/memory.h"
@@ -84,6 +86,12 @@ int OpenVdbFile::stored_levels() const {
   const auto levels = get<std::int64_t>(levels_key);
   if (levels < 2 || levels > max_levels) throw missing(file_prefix + levels_key);
   return int(levels);
+}
+
+std::vector<std::string> OpenVdbFile::stored_groups() const {
+  if (!(*metadata)[file_prefix + groups_key]) return {};
+  std::istringstream names(get<std::string>(groups_key));
+  return {std::istream_iterator<std::string>(names), {}};
 }
 
 V3d OpenVdbFile::stored_anchor() const {

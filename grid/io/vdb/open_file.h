@@ -4,6 +4,7 @@
 
 #include <exception>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <openvdb/io/File.h>
@@ -49,6 +50,8 @@ struct OpenVdbFile {
   // The (coarsest) frame as baked; sizes checked against what memory can hold at `bytes_per_vertex`, the reader's peak.
   GridFrame stored_frame(std::size_t bytes_per_vertex) const;
   int stored_levels() const;
+  // Names of the groups of lights that it keeps apart; none in most files.
+  std::vector<std::string> stored_groups() const;
   // Zero in files of grids near the world's origin, which state none.
   V3d stored_anchor() const;
 

@@ -17,30 +17,41 @@
 namespace ivory {
 namespace {
 
-IrradianceGrid read_grid(OpenVdbFile& in) {
-  in.require_kind(vdb_grid_kind);
-  const auto basis = in.get_named<Basis>("basis");
-  const auto stride = std::size_t(file_stride(basis));
-  // At the peak there are the values as stored, the moments made of them, visible fraction and guard; or, the values
-  // gone, the variance three times over (OpenVDB's grid, as floats, in its place), which is never more.
-  ReadVertices read = read_vertices(in, basis, (std::size_t(function_count(basis)) * 3 + stride) * sizeof(float));
+// Of all lights, or of a group.
+StoredMoments read_moments(OpenVdbFile& in, const ReadVertices& read, Basis basis, const std::string& group) {
   const std::size_t count = read.vertices.vertex_count();
-
-  std::vector<float> moments;
+  const auto stride = std::size_t(file_stride(basis));
+  StoredMoments stored;
   {
     std::vector<float> values(count * stride);
     constexpr float any = -std::numeric_limits<float>::infinity();
     for (const VectorField& field : vector_fields(basis))
-      read_vectors(in, field.name, read, any, field.offset, stride, values.data());
-    moments = moments_from_file_values(basis, values);
+      read_vectors(in, in_group(group, field.name), read, any, field.offset, stride, values.data());
+    stored.moments = moments_from_file_values(basis, values);
   }
-
   std::vector<float> floats(count * 3);
-  read_vectors(in, variance_name, read, 0, {0, 1, 2}, 3, floats.data());
-  std::vector<Rgb> variance(count);
+  read_vectors(in, in_group(group, variance_name), read, 0, {0, 1, 2}, 3, floats.data());
+  stored.variance.resize(count);
   for (std::size_t vertex = 0; vertex < count; ++vertex)
-    variance[vertex] = Rgb(floats[3 * vertex], floats[3 * vertex + 1], floats[3 * vertex + 2]);
-  return {std::move(read.vertices), std::move(moments), std::move(variance)};
+    stored.variance[vertex] = Rgb(floats[3 * vertex], floats[3 * vertex + 1], floats[3 * vertex + 2]);
+  return stored;
+}
+
+IrradianceGrid read_grid(OpenVdbFile& in, bool with_groups) {
+  in.require_kind(vdb_grid_kind);
+  const auto basis = in.get_named<Basis>("basis");
+  const std::vector<std::string> groups = with_groups ? in.stored_groups() : std::vector<std::string>();
+  const std::size_t moment_bytes = std::size_t(function_count(basis)) * 3 * sizeof(float);
+  // At the peak there are the values as stored, the moments made of them, visible fraction and guard, and what was
+  // read of groups before; or, the values gone, the variance three times over (OpenVDB's grid, as floats, in its
+  // place), which is never more.
+  ReadVertices read = read_vertices(
+      in, basis,
+      moment_bytes + std::size_t(file_stride(basis)) * sizeof(float) + groups.size() * (moment_bytes + sizeof(Rgb)));
+  StoredMoments all = read_moments(in, read, basis, "");
+  std::vector<GridGroup> of_groups;
+  for (const std::string& group : groups) of_groups.push_back({read_moments(in, read, basis, group), group});
+  return {std::move(read.vertices), std::move(all), std::move(of_groups)};
 }
 
 GridAccumulator read_accumulator(OpenVdbFile& in) {
@@ -64,15 +75,23 @@ GridAccumulator read_accumulator(OpenVdbFile& in) {
   if (estimator != Estimator::track && basis != Basis::vectors) throw in.missing(file_prefix + "estimator");
   const std::vector<std::string> names = sum_field_names(sum_layout(basis, estimator));
   const std::size_t stride = names.size();
-  ReadVertices read = read_vertices(in, basis, stride * sizeof(std::int64_t));
-  std::vector<std::int64_t> sums(read.vertices.vertex_count() * stride, 0);
-  for (std::size_t i = 0; i < stride; ++i) {
-    read_levels<openvdb::Int64Grid>(in, names[i], read,
-                                    [&](std::size_t vertex, std::int64_t value) { sums[vertex * stride + i] = value; });
-  }
+  const std::vector<std::string> group_names = in.stored_groups();
+  ReadVertices read = read_vertices(in, basis, stride * sizeof(std::int64_t) * (1 + group_names.size()));
+  const auto read_sums = [&](const std::string& group) {
+    std::vector<std::int64_t> sums(read.vertices.vertex_count() * stride, 0);
+    for (std::size_t i = 0; i < stride; ++i) {
+      read_levels<openvdb::Int64Grid>(in, in_group(group, names[i]), read, [&](std::size_t vertex, std::int64_t value) {
+        sums[vertex * stride + i] = value;
+      });
+    }
+    return sums;
+  };
+  std::vector<std::int64_t> sums = read_sums("");
+  std::vector<SumGroup> groups;
+  for (const std::string& group : group_names) groups.push_back({group, read_sums(group)});
   if ((in.get<std::int64_t>("guard_stored") != 0) != !read.vertices.guard.empty()) throw in.missing("grid guard_0");
-  return {std::move(read.vertices), estimator,          std::move(sums),    quantum, quantum_squared,
-          std::uint64_t(begin),     std::uint64_t(end), std::move(counters)};
+  return {std::move(read.vertices), estimator,          std::move(sums),     quantum,          quantum_squared,
+          std::uint64_t(begin),     std::uint64_t(end), std::move(counters), std::move(groups)};
 }
 
 Metadata read_info(OpenVdbFile& in) {
@@ -113,8 +132,8 @@ Metadata read_info(OpenVdbFile& in) {
 
 }  // namespace
 
-IrradianceGrid read_grid_vdb(const std::string& path, const std::string& copy) {
-  return with_open_file(path, copy, read_grid);
+IrradianceGrid read_grid_vdb(const std::string& path, const std::string& copy, bool with_groups) {
+  return with_open_file(path, copy, [&](OpenVdbFile& in) { return read_grid(in, with_groups); });
 }
 
 GridAccumulator read_accumulator_vdb(const std::string& path, const std::string& copy) {

@@ -11,6 +11,7 @@
 #include "grid/base/error.h"
 #include "grid/io/file.h"
 #include "grid/io/vdb/layout.h"
+#include "grid/io/vdb/open_file.h"
 #include "grid/io/vdb/seal.h"
 #include "grid/io/vdb/vdb.h"
 
@@ -83,6 +84,14 @@ openvdb::MetaMap common_metadata(const char* kind, const GridVertices& vertices)
   return map;
 }
 
+// The names of its groups, where there are any.
+template <typename Group>
+void put_groups(openvdb::MetaMap& map, const std::vector<Group>& groups) {
+  std::string names;
+  for (const Group& group : groups) names += (names.empty() ? "" : " ") + group.name;
+  if (!names.empty()) put(map, file_prefix + groups_key, names);
+}
+
 // An empty grid of the file.
 template <typename Grid>
 typename Grid::Ptr make_grid(const std::string& grid_name, const openvdb::math::Transform::Ptr& transform) {
@@ -153,6 +162,13 @@ void add_metadata_copy(const openvdb::GridCPtrVec& grids, const openvdb::MetaMap
   }
 }
 
+openvdb::MetaMap without_groups(const openvdb::MetaMap& metadata) {
+  openvdb::MetaMap rest = metadata;
+  rest.removeMeta(file_prefix + groups_key);
+  rest.removeMeta(meta_prefix + light_groups_key);
+  return rest;
+}
+
 // OpenVDB's exceptions become the one line.
 template <typename Action>
 void guarded(const std::string& path, const Action& action) {
@@ -174,6 +190,30 @@ std::string resave_vdb(const std::string& path) {
   return MemoryArchive().sealed_bytes({grids->begin(), grids->end()}, metadata ? *metadata : openvdb::MetaMap());
 }
 
+std::string ungrouped_vdb(const std::string& path) {
+  return with_open_file(path, {}, [](OpenVdbFile& in) {
+    in.require_kind(vdb_grid_kind);
+    openvdb::GridCPtrVec grids;
+    const openvdb::MetaMap metadata = without_groups(*in.metadata);
+    const auto basis = in.get_named<Basis>("basis");
+    for (int level = 0; level < in.stored_levels(); ++level) {
+      std::vector<std::string> names;
+      for (const VectorField& field : vector_fields(basis)) names.push_back(field.name);
+      names.insert(names.end(), {variance_name, visible_fraction_name, guard_name(0), guard_name(1)});
+      for (const std::string& name : names) {
+        if (!in.file.hasGrid(name + level_suffix(level))) continue;  // baked without guard
+        const auto grid = in.file.readGrid(name + level_suffix(level));
+        if (name == visible_fraction_name && level == 0) {
+          grid->removeMeta(file_prefix + groups_key);
+          grid->removeMeta(meta_prefix + light_groups_key);
+        }
+        grids.push_back(grid);
+      }
+    }
+    return MemoryArchive().sealed_bytes(grids, metadata);
+  });
+}
+
 void check_voxels(const std::string& path, const GridFrame& frame) {
   constexpr double least_volume_m3 = 3e-15;  // openvdb::math::AffineMap: three times Tolerance<double>
   const V3d h(frame.spacing_m);
@@ -186,16 +226,17 @@ void check_voxels(const std::string& path, const GridFrame& frame) {
 
 namespace {
 
-// The moments' grids of a level. File values of some vertices at a time, of which each field takes its own.
+// The moments' grids of a level, of all lights or of a group. File values of some vertices at a time, of which each
+// field takes its own.
 void add_fields(openvdb::GridCPtrVec& grids, const openvdb::math::Transform::Ptr& transform, const IrradianceGrid& grid,
-                int level, const std::vector<bool>& active) {
+                const StoredMoments& stored, const std::string& group, int level, const std::vector<bool>& active) {
   constexpr std::size_t vertices_at_once = 1 << 16;
   const auto stride = std::size_t(grid.stride());
   const auto stored_stride = std::size_t(file_stride(grid.basis));
   const std::vector<VectorField> fields = vector_fields(grid.basis);
   std::vector<Vec3fGrid::Ptr> filled;
   for (const VectorField& field : fields) {
-    const auto made = make_grid<Vec3fGrid>(field.name + level_suffix(level), transform->copy());
+    const auto made = make_grid<Vec3fGrid>(in_group(group, field.name) + level_suffix(level), transform->copy());
     // Vectors turn with the grid but are kept in its own axes, whatever its transform does.
     made->setIsInWorldSpace(!field.is_vector);
     made->setVectorType(field.is_vector ? openvdb::VEC_CONTRAVARIANT_RELATIVE : openvdb::VEC_INVARIANT);
@@ -206,7 +247,7 @@ void add_fields(openvdb::GridCPtrVec& grids, const openvdb::math::Transform::Ptr
   for (std::size_t first = all.first; first < all.last; first += vertices_at_once) {
     const VertexRange range{first, std::min(first + vertices_at_once, all.last)};
     const std::vector<float> values = file_values_from_moments(
-        grid.basis, std::span(grid.moments.data() + range.first * stride, (range.last - range.first) * stride));
+        grid.basis, std::span(stored.moments.data() + range.first * stride, (range.last - range.first) * stride));
     tbb::parallel_for(std::size_t(0), fields.size(), [&](std::size_t i) {
       const auto& offset = fields[i].offset;
       fill(*filled[i], grid, range, active, [&](std::size_t vertex) {
@@ -229,18 +270,23 @@ void write_vdb(const std::string& path, const IrradianceGrid& grid, bool force) 
     openvdb::GridCPtrVec grids;
     for (int level = 0; level < grid.levels(); ++level) {
       const auto transform = transform_of(grid, level);
-      add_fields(grids, transform, grid, level, active);
-      const auto variance =
-          make_grid<Vec3fGrid>(variance_name, transform, grid, level, active, [&](std::size_t vertex) {
-            const Rgb& v = grid.variance[vertex];
-            return openvdb::Vec3s(v.x, v.y, v.z);
-          });
-      variance->setVectorType(openvdb::VEC_INVARIANT);
-      grids.push_back(variance);
+      const auto add = [&](const StoredMoments& stored, const std::string& group) {
+        add_fields(grids, transform, grid, stored, group, level, active);
+        const auto variance = make_grid<Vec3fGrid>(in_group(group, variance_name), transform, grid, level, active,
+                                                   [&](std::size_t vertex) {
+                                                     const Rgb& v = stored.variance[vertex];
+                                                     return openvdb::Vec3s(v.x, v.y, v.z);
+                                                   });
+        variance->setVectorType(openvdb::VEC_INVARIANT);
+        grids.push_back(variance);
+      };
+      add(grid, "");
+      for (const GridGroup& group : grid.groups) add(group, group.name);
       add_visibility(grids, transform, grid, level, active);
     }
 
-    const openvdb::MetaMap metadata = common_metadata(vdb_grid_kind, grid);
+    openvdb::MetaMap metadata = common_metadata(vdb_grid_kind, grid);
+    put_groups(metadata, grid.groups);
     add_metadata_copy(grids, metadata);
     write_sealed(path, force, grids, metadata);
   });
@@ -262,17 +308,22 @@ void write_vdb(const std::string& path, const GridAccumulator& accumulator, bool
     openvdb::GridCPtrVec grids;
     for (int level = 0; level < accumulator.levels(); ++level) {
       const auto transform = transform_of(accumulator, level);
-      const std::size_t before = grids.size();
-      grids.resize(before + stride);
-      tbb::parallel_for(std::size_t(0), stride, [&](std::size_t i) {
-        grids[before + i] =
-            make_grid<openvdb::Int64Grid>(names[i], transform->copy(), accumulator, level, active,
-                                          [&](std::size_t vertex) { return accumulator.sums[vertex * stride + i]; });
-      });
+      const auto add = [&](const std::vector<std::int64_t>& sums, const std::string& group) {
+        const std::size_t before = grids.size();
+        grids.resize(before + stride);
+        tbb::parallel_for(std::size_t(0), stride, [&](std::size_t i) {
+          grids[before + i] =
+              make_grid<openvdb::Int64Grid>(in_group(group, names[i]), transform->copy(), accumulator, level, active,
+                                            [&](std::size_t vertex) { return sums[vertex * stride + i]; });
+        });
+      };
+      add(accumulator.sums, "");
+      for (const SumGroup& group : accumulator.groups) add(group.sums, group.name);
       add_visibility(grids, transform, accumulator, level, active);
     }
 
     openvdb::MetaMap metadata = common_metadata(vdb_accumulator_kind, accumulator);
+    put_groups(metadata, accumulator.groups);
     put(metadata, file_prefix + "estimator", name_of(accumulator.estimator));
     put(metadata, file_prefix + "quantum", accumulator.quantum);
     put(metadata, file_prefix + "quantum_squared", accumulator.quantum_squared);

@@ -31,6 +31,27 @@ TEST(GltfExtras, ReadLightsAndLafortuneLobes) {
   EXPECT_TRUE(scene.materials[0].lafortune[0].tinted);
 }
 
+TEST(GltfExtras, NameGroupsOfLightsAndTheNodesOfLights) {
+  GltfBuilder b;
+  b.root["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "point"}}};
+  const int lamp =
+      b.add_node({{"name", "Lamp"}, {"extensions", {{"KHR_lights_punctual", {{"light", 0}}}}}}, /*in_scene=*/false);
+  b.add_node({{"mesh", b.add_triangle_mesh()}});
+  b.add_node({{"children", {lamp}}, {"extras", {{"ivory_group", "hall"}}}});
+  b.use_extension("KHR_lights_punctual");
+  const Scene scene = load_gltf(b.write("groups")).scene;
+  EXPECT_EQ(scene.light_nodes, std::vector<int>{lamp});
+  EXPECT_EQ(scene.nodes[2].light_group, "hall");
+  EXPECT_EQ(scene.nodes[0].light_group, "");
+  b.root["nodes"][0]["extras"]["ivory_group"] = 7;
+  try {
+    load_gltf(b.write("groups_bad"));
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("ivory_group"), std::string::npos) << error.what();
+  }
+}
+
 TEST(GltfExtras, RefuseWhatMakesNoSense) {
   const auto load = [](const nlohmann::json& light, const nlohmann::json& lobes) {
     GltfBuilder b;

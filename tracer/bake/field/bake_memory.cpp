@@ -23,15 +23,18 @@ struct BakeMemory {
 
 // What the threads share: sums, the grid, and the tables of bricks. Each adds to its own, 4 bytes a lane, twice where
 // photons of weak lights have sums of a finer unit, and all sums are there once more while they are sorted; unless
-// there are so many that the threads share them.
+// there are so many that the threads share them. Groups of lights have sums each, and all together once more.
 BakeMemory bake_memory(const Lattice& lattice, const GridBakeParams& params, int fine_bits) {
   const auto vertices = double(lattice.vertex_count());
   const SumLayout layout = sum_layout(params.basis, params.estimator);
+  const std::size_t groups = params.groups ? params.groups->names.size() : 0;
+  const std::size_t targets = std::max<std::size_t>(1, groups);
   const double sums = vertices * layout.stride();
-  const bool own = choose_buffers(lattice.vertex_count(), layout, fine_bits) == DepositBuffers::own;
-  const double shared = sums * (own ? 16 : 8) + vertices * (double(function_count(params.basis)) * 12 + 64) +
+  const bool own = choose_buffers(lattice.vertex_count() * targets, layout, fine_bits) == DepositBuffers::own;
+  const double shared = sums * 8 * double(groups + (own ? 2 : 1)) +
+                        vertices * (double(function_count(params.basis)) * 12 + 64) * double(1 + groups) +
                         table_bytes(lattice.frame, lattice.levels());
-  return {shared, own ? sums * (fine_bits != 0 ? 8 : 4) : 0, memory_limit_bytes(params)};
+  return {shared, own ? sums * (fine_bits != 0 ? 8 : 4) * double(targets) : 0, memory_limit_bytes(params)};
 }
 
 void check(const std::string& scene, const Lattice& lattice, const GridBakeParams& params, const BakeMemory& memory) {

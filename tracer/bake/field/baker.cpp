@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <mutex>
+#include <utility>
 
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
@@ -46,6 +47,7 @@ Metadata describe(const Scene& scene, const GridBakeParams& params, const Lattic
   m["method"] = std::string("irradiance grid");
   m["basis"] = std::string(name_of(params.basis));
   m["estimator"] = std::string(name_of(params.estimator));
+  if (params.groups) m[light_groups_key] = fmt::format("{}", fmt::join(params.groups->names, " "));
   m["guard"] = std::string(params.guard == Guard::off ? "off" : "on");  // rays and planes bake the same
   m["photons"] = static_cast<std::int64_t>(photons);
   m["max_bounces"] = static_cast<std::int64_t>(params.max_bounces);
@@ -83,6 +85,20 @@ Metadata describe(const Scene& scene, const GridBakeParams& params, const Lattic
     m["photon_power_lm"] = double(unguided.photon_power().strongest_lm);
   }
   return m;
+}
+
+// The sums of each group, the first of which `result` has, and in their place there those of all.
+void add_groups(GridAccumulator& result, const LightGroups& groups, std::vector<DepositTarget>& targets) {
+  for (std::size_t group = 0; group < targets.size(); ++group) {
+    std::vector<std::int64_t> sums =
+        group == 0 ? result.sums : to_accumulator(std::exchange(targets[group], DepositTarget{})).sums;
+    if (group != 0) {
+      tbb::parallel_for(tbb::blocked_range<std::size_t>(0, sums.size(), 1 << 16), [&](const auto& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) result.sums[i] += sums[i];
+      });
+    }
+    result.groups.push_back({groups.names[group], std::move(sums)});
+  }
 }
 
 }  // namespace
@@ -143,13 +159,25 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
   const Lights::PhotonPower power = tracer.emission().photon_power();
   // As affordable_threads() reckoned before there was a guide: most photons are near the strongest.
   const int fine = fine_bits(unguided.photon_power());
-  DepositTarget target =
-      make_deposit_target(lattice, params.basis, params.estimator, power.strongest_lm, std::move(masks), fine,
-                          power.heaviest_lm, choose_buffers(vertices, layout, fine));
+  // One for each group of lights: what they add up to is what one would have.
+  const std::size_t groups = params.groups ? params.groups->names.size() : 1;
+  std::vector<DepositTarget> targets(
+      groups, make_deposit_target(lattice, params.basis, params.estimator, power.strongest_lm, std::move(masks), fine,
+                                  power.heaviest_lm, choose_buffers(vertices * groups, layout, fine)));
   struct Worker {
-    PhotonDepositor depositor;
+    std::vector<PhotonDepositor> depositors;  // [group]
+    std::vector<std::vector<PhotonSegment>> of_group;
     std::vector<PhotonSegment> segments;
     PhotonLedger ledger;
+  };
+  const auto deposit = [&](Worker& worker) {
+    if (!params.groups) return worker.depositors.front().deposit(worker.segments);
+    for (const PhotonSegment& segment : worker.segments)
+      worker.of_group[std::size_t(params.groups->of_light[std::size_t(segment.light)])].push_back(segment);
+    for (std::size_t group = 0; group < groups; ++group) {
+      worker.depositors[group].deposit(worker.of_group[group]);
+      worker.of_group[group].clear();
+    }
   };
   // One for each of the arena's slots: over time more threads may take part than at once.
   tbb::task_arena arena(threads);
@@ -159,14 +187,19 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
   const std::uint64_t batches = (end - begin + photons_a_batch - 1) / photons_a_batch;
   const auto trace_batches = [&](const tbb::blocked_range<std::uint64_t>& batch_range) {
     std::unique_ptr<Worker>& own = workers[std::size_t(tbb::this_task_arena::current_thread_index())];
-    if (!own) own = std::make_unique<Worker>(Worker{PhotonDepositor(target), {}, {}});
+    if (!own) {
+      own = std::make_unique<Worker>();
+      own->depositors.reserve(groups);
+      for (DepositTarget& target : targets) own->depositors.emplace_back(target);
+      own->of_group.resize(groups);
+    }
     Worker& worker = *own;
     for (std::uint64_t batch = batch_range.begin(); batch < batch_range.end(); ++batch) {
       const std::uint64_t first = begin + batch * photons_a_batch;
       const std::uint64_t last = std::min(first + photons_a_batch, end);
       worker.segments.clear();
       tracer.trace(first, last, worker.segments, worker.ledger);
-      worker.depositor.deposit(worker.segments);
+      deposit(worker);
       if (params.progress) {
         const std::lock_guard lock(progress_mutex);
         done += last - first;
@@ -178,12 +211,13 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
   PhotonLedger ledger;
   for (const std::unique_ptr<Worker>& worker : workers) {
     if (!worker) continue;
-    worker->depositor.flush();
+    for (PhotonDepositor& depositor : worker->depositors) depositor.flush();
     ledger += worker->ledger;
   }
 
   workers.clear();
-  GridAccumulator result = to_accumulator(std::move(target));
+  GridAccumulator result = to_accumulator(std::move(targets.front()));
+  if (params.groups) add_groups(result, *params.groups, targets);
   result.anchor_m = scene.anchor_m;
   result.visible_fraction = std::move(visible_fraction);
   result.guard = std::move(guard);

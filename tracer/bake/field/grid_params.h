@@ -9,6 +9,7 @@
 
 #include "grid/base/names.h"
 #include "grid/field/accumulator.h"
+#include "tracer/lights/groups.h"
 
 namespace ivory {
 
@@ -40,6 +41,9 @@ struct GridBakeParams {
   Estimator estimator = Estimator::track;
   Guard guard = Guard::rays;  // planes and rays store the compact guard; off stores and applies none
   bool include_direct = false;
+  // Lights whose sums are kept apart, of the LitScene's lights; none: only the sums of all are kept. The photons, and
+  // with them the sums of all, are the same.
+  std::optional<LightGroups> groups = std::nullopt;
   EmissionMode emission = EmissionMode::guided;  // changes no mean
   // How many photons the pilot of a guided bake is made for; 0: `photons`. Bakes that differ in nothing but `photons`
   // and their ranges have the same pilot where this is given, and their parts may be merged.

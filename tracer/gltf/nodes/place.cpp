@@ -90,8 +90,10 @@ class Placer {
       return;
     }
     if (const json* light = find_extension(source, "KHR_lights_punctual")) {
-      if (const auto found = read_light(document_, (*light)["light"].get<std::size_t>(), index, world))
+      if (const auto found = read_light(document_, (*light)["light"].get<std::size_t>(), index, world)) {
         scene_.lights.push_back(*found);
+        scene_.light_nodes.push_back(int(index));
+      }
     }
     if (const std::optional<SphereLight> light = read_sphere_light(document_, index, to_float(world))) {
       add_sphere_light(scene_, *light, document_.path);
@@ -287,7 +289,8 @@ std::vector<char> place_nodes(Document& document, const MeshSet& meshes, const L
   const std::vector<char> unwanted = find_nodes(document, params.without);
   const std::vector<int> roots = root_nodes(document, parents);
   for (std::size_t i = 0; i < parents.size(); ++i)
-    scene.nodes.push_back({document.model.nodes[i].name, parents[i], read_fiv_table(document, i)});
+    scene.nodes.push_back(
+        {document.model.nodes[i].name, parents[i], read_fiv_table(document, i), read_light_group(document, i)});
   // visit(node, its transform, is it visible, is it left out), parents first; `file` is the transform of the file.
   const auto walk = [&](const M44d& file, const auto& visit) {
     std::vector<Open> open;

@@ -99,7 +99,7 @@ void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLed
       const std::optional<Hit> hit = lit_.intersector.closest(ray);
       ++ledger.rays;
       const bool counts = bounce > 0 || params_.include_direct;
-      if (counts) segment(ray, hit, power, jitter);
+      if (counts) segment(ray, hit, power, jitter, photon.light);
       if (!hit) {
         ledger.escaped += carried;
         continue;
@@ -183,9 +183,9 @@ void PhotonTracer::trace(std::uint64_t begin, std::uint64_t end, std::vector<Pho
                          PhotonLedger& ledger) const {
   trace_paths(
       begin, end, ledger,
-      [&](const Ray& ray, const std::optional<Hit>& hit, const Rgb& power, float jitter) {
+      [&](const Ray& ray, const std::optional<Hit>& hit, const Rgb& power, float jitter, int light) {
         segments.push_back(
-            {ray.origin, ray.direction, hit ? hit->t : std::numeric_limits<float>::infinity(), power, jitter});
+            {ray.origin, ray.direction, hit ? hit->t : std::numeric_limits<float>::infinity(), power, jitter, light});
       },
       [](const Surface&, const Rgb&) {});
 }
@@ -193,7 +193,7 @@ void PhotonTracer::trace(std::uint64_t begin, std::uint64_t end, std::vector<Pho
 void PhotonTracer::trace_arrivals(std::uint64_t begin, std::uint64_t end, std::vector<PhotonArrival>& arrivals,
                                   PhotonLedger& ledger) const {
   trace_paths(
-      begin, end, ledger, [](const Ray&, const std::optional<Hit>&, const Rgb&, float) {},
+      begin, end, ledger, [](const Ray&, const std::optional<Hit>&, const Rgb&, float, int) {},
       [&](const Surface& surface, const Rgb& power) {
         if (!is_black(surface.diffuse_albedo)) arrivals.push_back({surface.p, surface.ng, power});
       });

@@ -14,10 +14,11 @@ namespace ivory {
 
 struct PhotonSegment {
   V3f origin;
-  V3f direction;       // unit, the way the photon flies; the light arrives from w = -direction
-  float length_m = 0;  // infinity where it leaves the scene
-  Rgb power_lm;        // per photon: divide by the number of photons traced
-  float jitter = 0;    // uniform in [0, 1), for whoever samples positions along the segment
+  V3f direction;         // unit, the way the photon flies; the light arrives from w = -direction
+  float length_m = 0;    // infinity where it leaves the scene
+  Rgb power_lm;          // per photon: divide by the number of photons traced
+  float jitter = 0;      // uniform in [0, 1), for whoever samples positions along the segment
+  int light = no_index;  // whose light it is: Lights::count()
 };
 
 // A photon that meets a surface.
@@ -70,7 +71,8 @@ class PhotonTracer {
   const Lights::Emission& emission() const { return emission_; }
 
  private:
-  // Calls segment(ray, hit, power, jitter) for each segment and arrival(surface, power) where one ends at a surface.
+  // Calls segment(ray, hit, power, jitter, light) for each segment and arrival(surface, power) where one ends at a
+  // surface.
   template <typename OnSegment, typename OnArrival>
   void trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLedger& ledger, const OnSegment& segment,
                    const OnArrival& arrival) const;
