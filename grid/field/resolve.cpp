@@ -4,6 +4,8 @@
 #include <cassert>
 #include <cmath>
 
+#include <tbb/parallel_for.h>
+
 namespace ivory {
 namespace {
 
@@ -85,13 +87,13 @@ StoredMoments resolve(const GridAccumulator& accumulator, const std::vector<std:
   StoredMoments out{std::vector<float>(vertices * stride, 0.0F), std::vector<Rgb>(vertices, Rgb(0, 0, 0))};
   if (photons == 0) return out;
 
-  for (std::size_t vertex = 0; vertex < vertices; ++vertex) {
+  tbb::parallel_for(std::size_t(0), vertices, [&](std::size_t vertex) {
     const int level = accumulator.level_of(std::uint32_t(vertex));
     const V3f h = accumulator.frame_of(level).spacing_m;
     const double quantum = std::ldexp(accumulator.quantum, -level);
     const double quantum_squared = std::ldexp(accumulator.quantum_squared, -2 * level);
     const float fraction = accumulator.visible_fraction[vertex];
-    if (fraction <= 0) continue;
+    if (fraction <= 0) return;
     const std::int64_t* source = sums.data() + vertex * std::size_t(layout.stride());
 
     double measure = 0;  // m^3 or m^2, times photons
@@ -121,7 +123,7 @@ StoredMoments resolve(const GridAccumulator& accumulator, const std::vector<std:
         squares += static_cast<double>(source[slot * layout.lanes() + 3 * layout.functions + int(c)]);
       out.variance[vertex][c] = static_cast<float>(squares * quantum_squared / (3 * measure * measure * area * area));
     }
-  }
+  });
   return out;
 }
 

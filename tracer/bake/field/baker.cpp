@@ -184,7 +184,9 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
   std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(threads));
   std::mutex progress_mutex;
   std::uint64_t done = 0;
-  const std::uint64_t batches = (end - begin + photons_a_batch - 1) / photons_a_batch;
+  // As many of each group: their sums, too, are found in the cache when there are several to add.
+  const std::uint64_t batch_photons = photons_a_batch * groups;
+  const std::uint64_t batches = (end - begin + batch_photons - 1) / batch_photons;
   const auto trace_batches = [&](const tbb::blocked_range<std::uint64_t>& batch_range) {
     std::unique_ptr<Worker>& own = workers[std::size_t(tbb::this_task_arena::current_thread_index())];
     if (!own) {
@@ -195,8 +197,8 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
     }
     Worker& worker = *own;
     for (std::uint64_t batch = batch_range.begin(); batch < batch_range.end(); ++batch) {
-      const std::uint64_t first = begin + batch * photons_a_batch;
-      const std::uint64_t last = std::min(first + photons_a_batch, end);
+      const std::uint64_t first = begin + batch * batch_photons;
+      const std::uint64_t last = std::min(first + batch_photons, end);
       worker.segments.clear();
       tracer.trace(first, last, worker.segments, worker.ledger);
       deposit(worker);
