@@ -29,6 +29,7 @@ def writers(folder, points):
             Writer("bake grid to an error", grid + ["--target-error", "50%", "--error-points", points], ".vdb"),
             Writer("bake grid part", grid + ["--photon-range", "0:1k"], ".vdb"),
             Writer("merge", ["merge", folder / "a.vdb", folder / "b.vdb"], ".vdb"),
+            Writer("mix", ["mix", folder / "groups.vdb", "--scale", "sky=0.5"], ".vdb"),
             Writer("bake sh9", ["bake", "sh9", SKY], ".json"),
             Writer("bake difmap", ["bake", "difmap", SKY, "--size", "4"], ".exr"),
             Writer("bake fiv", ["bake", "fiv", BOX, "--env", SKY, "--samples", "4,3,2", "--env-size", "2", "--parts", "1",
@@ -57,6 +58,7 @@ class Bench:
         self.make(part + ["--photon-range", "0:1k", "-o", str(folder / "a.vdb")])
         self.make(part + ["--photon-range", "1k:2k", "-o", str(folder / "b.vdb")])
         self.make(part + ["-o", str(folder / "whole.vdb")])
+        self.make(part[:-1] + ["1k", "--env", str(SKY), "--groups", "sky=@environment", "-o", str(folder / "groups.vdb")])
         self.make(["bake", "difmap", str(SKY), "--size", "4", "-o", str(folder / "map.exr")])
         self.make(["bake", "sh9", str(SKY), "-o", str(folder / "map.json")])
         self.writers = writers(folder, self.points)
