@@ -27,7 +27,7 @@ def scenes(suite, inputs):
     if suite != "full":
         return found
     found["furnished room"] = (inputs.bundled("room_boxes_rotated.gltf"), ())
-    found["plaza, sun"] = (inputs.bundled("plaza.gltf"), ())
+    found["rooms with thin walls"] = (inputs.bundled("leak_rotated.gltf"), ())
     found["plaza, sky"] = (inputs.bundled("plaza.gltf"), ("--env", File(inputs.bundled("sky.hdr"))))
     bunny = inputs.bunny_room()
     if bunny:
