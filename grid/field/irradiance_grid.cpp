@@ -116,10 +116,11 @@ float stored_weight(const BrickLevel& level, const V3f& p) {
   bool is_whole = true;
   for (int corner = 0; corner < 8; ++corner) {
     const V3i side(corner & 1, corner >> 1 & 1, corner >> 2);
-    if (level.vertex_at(base + side) < no_brick)
+    if (level.vertex_at(base + side) < no_brick) {
       stored += weight[2][std::size_t(side.z)] * weight[1][std::size_t(side.y)] * weight[0][std::size_t(side.x)];
-    else
+    } else {
       is_whole = false;
+    }
   }
   return is_whole ? 1 : stored;
 }

@@ -50,6 +50,8 @@ struct StoredMoments {
 
 // Metadata of grids and sums that keep groups apart: their names.
 inline constexpr const char* light_groups_key = "light_groups";
+// And the group of each of the scene's punctual lights, in the scene's order.
+inline constexpr const char* lamp_groups_key = "light_groups_of_lamps";
 
 // Of the lights of one group, in a grid that keeps groups apart.
 struct GridGroup : StoredMoments {

@@ -37,6 +37,7 @@ IrradianceGrid mix_groups(const IrradianceGrid& grid, const GroupFactors& factor
   const bool as_baked = std::ranges::all_of(factors, [](const auto& f) { return f.second == Rgb(1, 1, 1); });
   IrradianceGrid mixed{grid, as_baked ? static_cast<const StoredMoments&>(grid) : StoredMoments{}, {}};
   mixed.metadata.erase(light_groups_key);
+  mixed.metadata.erase(lamp_groups_key);
   if (as_baked) return mixed;
 
   const auto stride = std::size_t(grid.stride());

@@ -186,7 +186,7 @@ TEST(BakeGrid, GroupsOfLightsAreMixedAfterTheBake) {
   const auto folder = scratch_folder("groups");
   const std::string rooms = std::string(source_folder) + "/scenes/two_rooms.gltf";
   const std::string sky = std::string(source_folder) + "/scenes/sky.hdr";
-  for (const std::string spacing : {"--resolution 4,3,9 ", "--voxel-size 0.3 --levels 2 "}) {
+  for (const std::string spacing : {"--resolution 4,3,9 ", "--voxel-size 0.5 --levels 2 "}) {
     const std::string bake = "bake grid " + rooms + " --env " + sky + " --photons 40k -q -f " + spacing;
     const std::string groups = "--groups sky=@environment --groups extras ";
     ASSERT_EQ(ivory(folder, bake + "-o whole.vdb").exit_code, 0);

@@ -246,6 +246,48 @@ std::string write_lamps(const std::string& name, const std::vector<float>& inten
   return gltf.write(name);
 }
 
+// Two lamps over a floor in groups of their own: dimmed in the viewer they shine as in a file whose lamps are dimmer,
+// straight and by way of the grid.
+TEST_F(ViewCommand, GroupsOfLightsAreDimmed) {
+  const auto lamps = [](const std::string& name, float red, float blue) {
+    GltfBuilder gltf;
+    const int indices = gltf.add_indices({0, 1, 2, 0, 2, 3});
+    const int positions = gltf.add(std::vector<V3f>{{-3, 0, -3}, {-3, 0, 3}, {3, 0, 3}, {3, 0, -3}});
+    const int wall = gltf.add(std::vector<V3f>{{-3, 0, -2}, {3, 0, -2}, {3, 3, -2}, {-3, 3, -2}});
+    for (const int quad : {positions, wall})
+      gltf.add_node({{"mesh", gltf.add_mesh({{"attributes", {{"POSITION", quad}}}, {"indices", indices}})}});
+    gltf.use_extension("KHR_lights_punctual");
+    nlohmann::json& lights = gltf.root["extensions"]["KHR_lights_punctual"]["lights"];
+    lights = {{{"type", "point"}, {"intensity", red}, {"color", {1, 0.5, 0.5}}},
+              {{"type", "point"}, {"intensity", blue}, {"color", {0.5, 0.5, 1}}}};
+    for (int i = 0; i < 2; ++i) {
+      gltf.add_node({{"name", i == 0 ? "Red" : "Blue"},
+                     {"translation", {i == 0 ? -1 : 1, 1.5, 0}},
+                     {"extensions", {{"KHR_lights_punctual", {{"light", i}}}}}});
+    }
+    return gltf.write(name);
+  };
+  const std::string bright = lamps("bright", 40, 80);
+  const std::string dim = lamps("dim", 10, 0);
+  const std::string groups = path("groups.vdb");
+  const std::string mixed = path("mixed.vdb");
+  run("bake grid " + bright + " --resolution 6,4,6 --photons 100k --groups red=Red --groups blue=Blue -o " + groups);
+  run("mix " + groups + " --scale red=0.25 --scale blue=0 -o " + mixed);
+  const std::string factors = " --group-scale red=0.25 --group-scale blue=0";
+  const Film shown = film(bright + " " + groups + factors);
+  // The dim scene with the mixed grid; half floats are rounded where the file's numbers were.
+  EXPECT_LT(compare_images(shown, film(dim + " " + mixed)).nrmse, 1e-3);
+  EXPECT_GT(compare_images(shown, film(bright + " " + groups)).nrmse, 0.1);
+  EXPECT_LT(compare_images(film(bright + " " + groups + factors + " --indirect-only"),
+                           film(bright + " " + mixed + " --indirect-only"))
+                .nrmse,
+            1e-3);
+  const RunResult refused =
+      run_ivory("view --headless " + bright + " " + groups + " --group-scale green=1 -o " + path("x.png"));
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_NE(refused.output.find("red, blue"), std::string::npos) << refused.output;
+}
+
 TEST_F(ViewCommand, StrongestOfTooManyLightsShine) {
   std::vector<float> strong;
   for (int i = 0; i < 32; ++i) strong.push_back(float(1 + i % 7) + 0.01F * float(i));

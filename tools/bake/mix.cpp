@@ -12,7 +12,7 @@
 #include "grid/io/vdb/vdb.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
-#include "tools/cli/usage_error.h"
+#include "tools/input/group_factors.h"
 #include "tools/input/vdb.h"
 
 namespace ivory {
@@ -24,18 +24,6 @@ struct MixOptions {
   std::string output;
   GroupFactors factors;
 };
-
-// "NAME=VALUE"; `value` in words.
-std::pair<std::string, std::string> parse_assignment(const char* option, const std::string& text, const char* value) {
-  const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || equals == 0)
-    throw UsageError(fmt::format("{}: '{}' is not a group and {}, as hall={}", option, text, value, value));
-  return {text.substr(0, equals), text.substr(equals + 1)};
-}
-
-void multiply(GroupFactors& factors, const std::string& group, const Rgb& factor) {
-  factors.try_emplace(group, Rgb(1, 1, 1)).first->second *= factor;
-}
 
 void run_mix(const MixOptions& options, const CommonOptions& common) {
   check_output(options.output, ".vdb", common);
@@ -55,7 +43,7 @@ void run_mix(const MixOptions& options, const CommonOptions& common) {
     const auto found = options.factors.find(group.name);
     const Rgb factor = found == options.factors.end() ? Rgb(1, 1, 1) : found->second;
     groups.push_back({{"name", group.name}, {"factor", {factor.x, factor.y, factor.z}}});
-    const std::string line = fmt::format("{}={},{},{}", group.name, factor.x, factor.y, factor.z);
+    const std::string line = text_of(group.name, factor);
     text += "  " + line + "\n";
     if (factor != Rgb(1, 1, 1)) changes += (changes.empty() ? "" : " ") + line;
   }
@@ -78,31 +66,7 @@ void add_mix_command(Command app, CommonOptions& common) {
   auto options = std::make_shared<MixOptions>();
   command.add_option("grid", options->grid, "Grid baked with --groups").required().type_name("GRID.vdb");
   command.add_option("-o,--output", options->output, "Grid to write, .vdb").required().type_name("OUT.vdb");
-  command
-      .add_option(
-          "--scale",
-          [options](const std::string& text) {
-            const auto [group, value] = parse_assignment("--scale", text, "FACTOR");
-            const auto factor = parse_number(value);
-            if (!factor || !(*factor >= 0)) throw UsageError("--scale: '" + value + "' is not a factor of 0 or more");
-            multiply(options->factors, group, Rgb(1, 1, 1) * float(*factor));
-          },
-          "What a group's light is multiplied by; may be repeated [1]")
-      .repeated()
-      .type_name("GROUP=FACTOR");
-  command
-      .add_option(
-          "--tint",
-          [options](const std::string& text) {
-            const auto [group, value] = parse_assignment("--tint", text, "R,G,B");
-            const V3d tint = parse_vector3("--tint", value);
-            if (!(tint.x >= 0 && tint.y >= 0 && tint.z >= 0))
-              throw UsageError("--tint: '" + value + "' is not three factors of 0 or more");
-            multiply(options->factors, group, Rgb(tint));
-          },
-          "What the channels of a group's light are multiplied by, in linear Rec.709; may be repeated [1,1,1]")
-      .repeated()
-      .type_name("GROUP=R,G,B");
+  add_group_factor_options(command, options->factors);
   command.footer(
       "Light adds up: the mix is what a bake of lamps so dimmed and coloured gives, without tracing anything again.\n"
       "With neither option it is the grid as it would have been baked without --groups, to the byte.\n"

@@ -6,6 +6,7 @@
 #include "grid/base/error.h"
 #include "tools/cli/commands.h"
 #include "tools/input/grid.h"
+#include "tools/input/group_factors.h"
 #include "tools/input/scene.h"
 #include "tools/view/headless.h"
 #include "tools/view/window/viewer.h"
@@ -157,6 +158,7 @@ void add_light_options(Command app, ViewCommand& command) {
                  "A light wider than a highlight is taken as up to 4^SPLIT lobes")
       .within(0, max_mask_depth)
       .group(group);
+  add_group_factor_options(app, command.run.input.factors, {"--group-scale", "--group-tint", group});
   app.add_flag("--indirect-only", command.indirect_only, "Leave out direct light and emission").group(group);
   app.add_option("--shadow-size", command.run.settings.shadow_size, "Texels a side of shadow maps")
       .within(16, 8192)

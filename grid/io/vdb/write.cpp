@@ -162,11 +162,10 @@ void add_metadata_copy(const openvdb::GridCPtrVec& grids, const openvdb::MetaMap
   }
 }
 
-openvdb::MetaMap without_groups(const openvdb::MetaMap& metadata) {
-  openvdb::MetaMap rest = metadata;
-  rest.removeMeta(file_prefix + groups_key);
-  rest.removeMeta(meta_prefix + light_groups_key);
-  return rest;
+void remove_groups(openvdb::MetaMap& metadata) {
+  for (const std::string& key :
+       {file_prefix + groups_key, meta_prefix + light_groups_key, meta_prefix + lamp_groups_key})
+    metadata.removeMeta(key);
 }
 
 // OpenVDB's exceptions become the one line.
@@ -194,7 +193,8 @@ std::string ungrouped_vdb(const std::string& path) {
   return with_open_file(path, {}, [](OpenVdbFile& in) {
     in.require_kind(vdb_grid_kind);
     openvdb::GridCPtrVec grids;
-    const openvdb::MetaMap metadata = without_groups(*in.metadata);
+    openvdb::MetaMap metadata = *in.metadata;
+    remove_groups(metadata);
     const auto basis = in.get_named<Basis>("basis");
     for (int level = 0; level < in.stored_levels(); ++level) {
       std::vector<std::string> names;
@@ -203,10 +203,7 @@ std::string ungrouped_vdb(const std::string& path) {
       for (const std::string& name : names) {
         if (!in.file.hasGrid(name + level_suffix(level))) continue;  // baked without guard
         const auto grid = in.file.readGrid(name + level_suffix(level));
-        if (name == visible_fraction_name && level == 0) {
-          grid->removeMeta(file_prefix + groups_key);
-          grid->removeMeta(meta_prefix + light_groups_key);
-        }
+        remove_groups(*grid);  // one of them has a copy of the file's
         grids.push_back(grid);
       }
     }

@@ -129,9 +129,12 @@ std::size_t ViewAsset::bytes() const {
 std::unique_ptr<ViewAsset> load_view_asset(const std::string& path, FileKind kind, const V3d& anchor_m) {
   switch (kind) {
     case FileKind::grid: {
-      IrradianceGrid grid = load_grid_vdb(path);
+      IrradianceGrid grid = load_grid_vdb(path, /*with_groups=*/true);
       set_anchor(grid, anchor_m);
-      return make_asset(path, make_grid_asset(path, grid), {}, grid.metadata);
+      GridAsset asset = make_grid_asset(path, grid);
+      Metadata metadata = grid.metadata;
+      if (!grid.groups.empty()) asset.grouped = std::make_shared<const IrradianceGrid>(std::move(grid));
+      return make_asset(path, std::move(asset), {}, std::move(metadata));
     }
     case FileKind::sh9: {
       const Sh9Asset sh9 = read_sh9(path);
@@ -158,6 +161,14 @@ std::unique_ptr<ViewAsset> load_view_asset(const std::string& path, FileKind kin
       break;
   }
   throw Error(path, "is no asset that lights a scene", "give a grid, SH9, DifMap, FIV table, cube map or lobes");
+}
+
+void mix_asset(ViewAsset& asset, const GroupFactors& factors) {
+  auto* grid = std::get_if<GridAsset>(&asset.data);
+  if (grid == nullptr || !grid->grouped) return;
+  std::shared_ptr<const IrradianceGrid> grouped = grid->grouped;
+  *grid = make_grid_asset(asset.path, mix_groups(*grouped, factors));
+  grid->grouped = std::move(grouped);
 }
 
 std::unique_ptr<ViewAsset> make_view_difmap(const std::string& path, const DifMap& map) {

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "grid/field/mix.h"
 #include "grid/fiv/table.h"
 #include "grid/lobes/sphere_set.h"
 #include "runtime/assets/cubemap.h"
@@ -24,6 +25,8 @@ struct GridAsset {
   float typical_vector_lux = 0;  // length that nineteen in twenty of the stored vectors stay under
   Rgb mean_e_lux{0, 0, 0};       // about
   bool holds_direct = false;     // light as well as indirect
+  // Of a grid that keeps groups of lights apart: to mix it again. Null for others.
+  std::shared_ptr<const IrradianceGrid> grouped;
 };
 
 struct DifMapAsset {
@@ -59,6 +62,10 @@ using ViewAssets = std::vector<std::unique_ptr<ViewAsset>>;
 // Reads and uploads, for a scene of that anchor. Throws Error as the kind's reader does too, and for a kind that lights
 // no scene.
 std::unique_ptr<ViewAsset> load_view_asset(const std::string& path, FileKind kind, const V3d& anchor_m);
+
+// A grid that keeps groups apart, lit by them as they are now; nothing for other assets. Throws ParameterError as
+// mix_groups() does.
+void mix_asset(ViewAsset& asset, const GroupFactors& factors);
 
 // Of a map made in memory; `path` names it.
 std::unique_ptr<ViewAsset> make_view_difmap(const std::string& path, const DifMap& map);

@@ -10,6 +10,7 @@
 #include "grid/base/error.h"
 #include "grid/env/irradiance.h"
 #include "tools/input/objects.h"
+#include "tools/view/session/groups.h"
 #include "tools/view/session/occluders.h"
 #include "tracer/core/camera.h"
 #include "tracer/image/file.h"
@@ -162,6 +163,14 @@ ViewSession open_session(const SessionInput& input) {
   }
   if (!session.world.scene().sphere_lights.empty() && find_asset(session.assets, FileKind::lobes) == nullptr)
     session.assets.push_back(make_view_lobes());
+  session.factors = input.factors;
+  if (!session.factors.empty()) {
+    try {
+      mix_groups(session);
+    } catch (const ParameterError& error) {
+      throw UsageError("--group-scale, --group-tint: " + error.cause());
+    }
+  }
   return session;
 }
 

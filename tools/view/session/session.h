@@ -32,6 +32,7 @@ struct ViewSession {
   ViewAssets assets;
   std::optional<GpuFivTables> fiv_tables;  // all of the assets'
   ViewSettings settings;
+  GroupFactors factors;                   // of the grids' groups of lights: session/groups.h
   const ViewAsset* debug_grid = nullptr;  // that debug views show
   std::optional<ReferencePicture> reference;
   SceneOptions load;                                           // of the scene, and of objects that join it
@@ -57,6 +58,7 @@ struct SessionInput {
   std::vector<std::string> occluders;  // NODE=TABLE.exr: objects and the tables they were baked into
   std::vector<std::string> spheres;    // sphere sets: FILE.json or FILE.json@X,Y,Z
   std::vector<SphereLightOption> sphere_lights;
+  GroupFactors factors;
 };
 
 // Loads all. Throws UsageError for texts that say nothing, Error for files that cannot be read or drawn.

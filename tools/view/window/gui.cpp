@@ -8,6 +8,7 @@
 
 #include "grid/base/error.h"
 #include "tools/cli/common.h"
+#include "tools/view/session/groups.h"
 #include "tools/view/session/light.h"
 
 namespace ivory {
@@ -87,6 +88,31 @@ void draw_objects(ViewSession& session, GuiState& state, GuiRequest& request) {
     ImGui::PopID();
   }
   if (ImGui::Checkbox("objects move on their paths (Space)", &state.playing)) request.redraw = true;
+}
+
+// A brightness and a colour for each group of lights that a grid keeps apart.
+void draw_groups(ViewSession& session, GuiState& state, GuiRequest& request) {
+  const std::vector<std::string> names = group_names(session);
+  if (names.empty() || !ImGui::CollapsingHeader("Groups of lights", ImGuiTreeNodeFlags_DefaultOpen)) return;
+  bool changed = false;
+  for (const std::string& name : names) {
+    const auto known = session.factors.find(name);
+    GroupChoice& choice =
+        state.groups.try_emplace(name, GroupChoice{1, known == session.factors.end() ? Rgb(1, 1, 1) : known->second})
+            .first->second;
+    ImGui::PushID(name.c_str());
+    const bool scaled = ImGui::SliderFloat(name.c_str(), &choice.scale, 0, 4, "%.2f");
+    ImGui::SameLine();
+    const bool tinted = ImGui::ColorEdit3(
+        "##tint", &choice.tint.x, ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR);
+    ImGui::PopID();
+    if (!scaled && !tinted) continue;
+    session.factors[name] = choice.tint * std::max(choice.scale, 0.0F);
+    changed = true;
+  }
+  if (!changed) return;
+  mix_groups(session);
+  request.redraw = true;
 }
 
 void draw_light(ViewSession& session, GuiRequest& request) {
@@ -209,6 +235,7 @@ GuiRequest draw_gui(ViewSession& session, GuiState& state) {
     ImGui::PushItemWidth(170);
     draw_objects(session, state, request);
     draw_light(session, request);
+    draw_groups(session, state, request);
     draw_picture(session, state, request);
     draw_camera(session, request);
     draw_assets(session, state);

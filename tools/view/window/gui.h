@@ -2,11 +2,18 @@
 #pragma once
 
 #include <deque>
+#include <map>
 #include <string>
 
 #include "tools/view/session/session.h"
 
 namespace ivory {
+
+// What sliders and colours of a group of lights say.
+struct GroupChoice {
+  float scale = 1;
+  Rgb tint{1, 1, 1};
+};
 
 struct GuiState {
   bool shown = true;
@@ -18,7 +25,8 @@ struct GuiState {
   std::size_t gpu_bytes = 0;
   int width = 0;  // of the picture
   int height = 0;
-  std::deque<std::string> messages;  // latest last
+  std::map<std::string, GroupChoice> groups;  // of lights, by name
+  std::deque<std::string> messages;           // latest last
 };
 
 struct GuiRequest {

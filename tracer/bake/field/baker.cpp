@@ -47,7 +47,13 @@ Metadata describe(const Scene& scene, const GridBakeParams& params, const Lattic
   m["method"] = std::string("irradiance grid");
   m["basis"] = std::string(name_of(params.basis));
   m["estimator"] = std::string(name_of(params.estimator));
-  if (params.groups) m[light_groups_key] = fmt::format("{}", fmt::join(params.groups->names, " "));
+  if (params.groups) {
+    m[light_groups_key] = fmt::format("{}", fmt::join(params.groups->names, " "));
+    std::vector<std::string> of_lamp;
+    for (std::size_t i = 0; i < scene.lights.size(); ++i)
+      of_lamp.push_back(params.groups->names[std::size_t(params.groups->of_light[i])]);
+    if (!of_lamp.empty()) m[lamp_groups_key] = fmt::format("{}", fmt::join(of_lamp, " "));
+  }
   m["guard"] = std::string(params.guard == Guard::off ? "off" : "on");  // rays and planes bake the same
   m["photons"] = static_cast<std::int64_t>(photons);
   m["max_bounces"] = static_cast<std::int64_t>(params.max_bounces);
