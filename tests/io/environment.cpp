@@ -15,6 +15,7 @@
 #include "grid/io/difmap.h"
 #include "grid/io/json.h"
 #include "grid/io/sh9.h"
+#include "tests/support/folder_test.h"
 #include "tests/support/paths.h"
 
 namespace ivory {
@@ -23,22 +24,13 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-class EnvironmentAssets : public testing::Test {
+class EnvironmentAssets : public FolderTest {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(output_folder) / testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
   Json json(const std::string& name) const { return Json::parse(std::ifstream(path(name))); }
   std::string write(const std::string& name, const std::string& text) const {
     std::ofstream(path(name), std::ios::binary) << text;
     return path(name);
   }
-
- private:
-  fs::path folder_;
 };
 
 Sh9Asset random_asset() {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "grid/base/error.h"
+#include "tests/support/folder_test.h"
 #include "tests/support/full_disk.h"
 
 namespace ivory {
@@ -17,17 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class ExrFiles : public testing::Test {
+class ExrFiles : public FolderTest {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) / testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
-
-  fs::path folder_;
 };
 
 ExrAsset example() {

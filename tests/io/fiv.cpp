@@ -7,22 +7,15 @@
 #include <gtest/gtest.h>
 
 #include "grid/base/error.h"
+#include "tests/support/folder_test.h"
 
 namespace ivory {
 namespace {
 
 namespace fs = std::filesystem;
 
-class FivFiles : public testing::TestWithParam<int> {
+class FivFiles : public FolderTest, public testing::WithParamInterface<int> {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) / ("fiv_files_" + std::to_string(GetParam()));
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
-
   static FivTable example() {
     FivTable table;
     table.size = {5, 4, 3};
@@ -38,8 +31,6 @@ class FivFiles : public testing::TestWithParam<int> {
     table.metadata["mesh"] = std::string("ball.glb");
     return table;
   }
-
-  fs::path folder_;
 };
 
 TEST_P(FivFiles, ComeBackAsWritten) {

@@ -18,6 +18,7 @@
 #include "grid/env/latlong_map.h"
 #include "grid/io/environment.h"
 #include "tests/support/environment_pictures.h"
+#include "tests/support/folder_test.h"
 #include "tests/support/paths.h"
 #include "tests/support/scene_check.h"
 
@@ -27,14 +28,8 @@ namespace {
 namespace fs = std::filesystem;
 constexpr double pi_d = 3.14159265358979323846;
 
-class EnvironmentFiles : public testing::Test {
+class EnvironmentFiles : public FolderTest {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(output_folder) / testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
   std::string write(const std::string& name, const Picture& picture) const {
     const auto output = OIIO::ImageOutput::create(path(name));
     EXPECT_TRUE(output->open(path(name), OIIO::ImageSpec(picture.width, picture.height, 3, OIIO::TypeDesc::FLOAT)));
@@ -49,9 +44,6 @@ class EnvironmentFiles : public testing::Test {
     }
     return "";
   }
-
- private:
-  fs::path folder_;
 };
 
 // Smooth, different towards all six axes and their mixtures.

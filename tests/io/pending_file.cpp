@@ -9,6 +9,7 @@
 
 #include "grid/base/error.h"
 #include "grid/io/file.h"
+#include "tests/support/folder_test.h"
 #include "tests/support/full_disk.h"
 
 namespace ivory {
@@ -16,15 +17,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class PendingFiles : public testing::Test {
+class PendingFiles : public FolderTest {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) / testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::remove_all(folder_);
+    FolderTest::SetUp();
     fs::create_directories(folder_ / "store");
   }
-  void TearDown() override { fs::remove_all(folder_); }
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
   static void write(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
   static std::string read(const std::string& path) {
     std::ifstream in(path);
@@ -33,8 +31,6 @@ class PendingFiles : public testing::Test {
   std::size_t files_in(const std::string& name) const {
     return std::size_t(std::distance(fs::directory_iterator(folder_ / name), fs::directory_iterator()));
   }
-
-  fs::path folder_;
 };
 
 TEST_F(PendingFiles, AppearOnCommitAndLeaveNothingOtherwise) {

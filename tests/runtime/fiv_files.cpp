@@ -8,6 +8,7 @@
 #include "grid/io/fiv.h"
 #include "runtime/assets/fiv.h"
 #include "tests/runtime/fiv_synthetic.h"
+#include "tests/support/folder_test.h"
 #include "tests/support/runtime_twin.h"
 
 namespace ivory {
@@ -18,9 +19,7 @@ namespace fs = std::filesystem;
 class RuntimeFivFiles : public GlTest {
  protected:
   void SetUp() override {
-    folder_ = fs::path(testing::TempDir()) / testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+    folder_ = fresh_test_folder();
     const SyntheticSky sky = synthetic_sky(1);
     write_fiv(path("six.exr"), synthetic_table(sky, {16, 9, 6}, 6, uneven_radii(6, 0.4F, 8), 1), ExrPrecision::float32,
               false);

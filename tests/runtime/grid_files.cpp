@@ -10,6 +10,7 @@
 
 #include "grid/base/error.h"
 #include "grid/io/vdb/vdb.h"
+#include "tests/support/folder_test.h"
 #include "tests/support/grid_twin.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_ivory.h"
@@ -20,12 +21,7 @@ namespace {
 
 class RuntimeGridFile : public GlTest {
  protected:
-  void SetUp() override {
-    folder_ = std::filesystem::path(output_folder) / "runtime_grid" /
-              testing::UnitTest::GetInstance()->current_test_info()->name();
-    std::filesystem::remove_all(folder_);
-    std::filesystem::create_directories(folder_);
-  }
+  void SetUp() override { folder_ = fresh_test_folder(); }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
   std::string bake(const std::string& scene, const std::string& options) const {
     const std::string out = path("grid.vdb");

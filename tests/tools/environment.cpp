@@ -14,6 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/environment_pictures.h"
+#include "tests/support/folder_test.h"
 #include "tests/support/paths.h"
 #include "tests/support/run_ivory.h"
 #include "tracer/image/file.h"
@@ -24,15 +25,12 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-class EnvironmentTools : public testing::Test {
+class EnvironmentTools : public FolderTest {
  protected:
   void SetUp() override {
-    folder_ = fs::path(output_folder) / testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
+    FolderTest::SetUp();
     std::ofstream(path("p.csv")) << "x,y,z,nx,ny,nz\n0,0,0,0,1,0\n5,-7,9,0,-1,0\n0,0,0,1,0,0\n1,0,0,0.6,0,-0.8\n";
   }
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
   void write(const std::string& name, EnvironmentLayout layout, int detail,
              const std::function<Rgb(const V3d&)>& radiance) const {
     const Picture picture = make_picture(layout, detail, radiance);
@@ -77,9 +75,6 @@ class EnvironmentTools : public testing::Test {
     std::ifstream file(path(name), std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
   }
-
- private:
-  fs::path folder_;
 };
 
 // L = 3 + 2 y in red, 1 + x in green, 2 - z in blue: E = pi a + 2 pi/3 b (n . axis), exactly of order 1.

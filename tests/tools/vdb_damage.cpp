@@ -9,8 +9,8 @@
 #include "grid/base/error.h"
 #include "grid/io/vdb/vdb.h"
 #include "tests/support/io_random.h"
-#include "tools/input/trial.h"
-#include "tools/input/vdb.h"
+#include "tools/input/vdb/load.h"
+#include "tools/input/vdb/trial.h"
 
 namespace ivory {
 namespace {

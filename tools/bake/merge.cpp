@@ -8,7 +8,7 @@
 #include "tools/bake/grid_result.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
-#include "tools/input/vdb.h"
+#include "tools/input/vdb/load.h"
 
 namespace ivory {
 

@@ -13,7 +13,7 @@
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/group_factors.h"
-#include "tools/input/vdb.h"
+#include "tools/input/vdb/load.h"
 
 namespace ivory {
 

@@ -18,7 +18,7 @@
 #include "tools/cli/target_error.h"
 #include "tools/input/file_kind.h"
 #include "tools/input/scene.h"
-#include "tools/input/vdb.h"
+#include "tools/input/vdb/load.h"
 
 namespace ivory {
 

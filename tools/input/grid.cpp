@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
-#include "tools/input/vdb.h"
+#include "tools/input/vdb/load.h"
 
 namespace ivory {
 

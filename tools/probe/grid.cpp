@@ -14,7 +14,7 @@
 #include "grid/field/evidence.h"
 #include "grid/io/file.h"
 #include "tools/input/scene.h"
-#include "tools/input/vdb.h"
+#include "tools/input/vdb/load.h"
 #include "tools/probe/source.h"
 #include "tracer/render/guard_rays.h"
 

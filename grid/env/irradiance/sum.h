@@ -14,8 +14,8 @@ struct IrradianceSums {
 };
 
 // Normals are unit vectors. Texels above the horizon count exactly; those that it cuts are divided by 4 by 4, and their
-// parts again, to 4096 rows or more over the sphere where three times suffice for that. On all of TBB's threads; the bits do not depend on their
-// number.
+// parts again, to 4096 rows or more over the sphere where three times suffice for that. On all of TBB's threads; the
+// bits do not depend on their number.
 IrradianceSums sum_irradiance(const EnvironmentImage& image, std::span<const V3f> normals);
 
 }  // namespace ivory

@@ -13,6 +13,7 @@
 #include "grid/base/error.h"
 #include "grid/env/latlong_map.h"
 #include "grid/io/environment.h"
+#include "tests/support/folder_test.h"
 #include "tests/support/full_disk.h"
 #include "tests/support/paths.h"
 #include "tracer/core/camera.h"
@@ -24,20 +25,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class Images : public testing::Test {
+class Images : public FolderTest {
  protected:
-  void SetUp() override {
-    folder_ = fs::path(output_folder) / testing::UnitTest::GetInstance()->current_test_info()->name();
-    fs::remove_all(folder_);
-    fs::create_directories(folder_);
-  }
-  std::string path(const std::string& name) const { return (folder_ / name).string(); }
   std::size_t file_count() const {
     return std::size_t(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()));
   }
-
- private:
-  fs::path folder_;
 };
 
 Film make_film(int width, int height) {

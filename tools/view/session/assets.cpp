@@ -11,7 +11,7 @@
 #include "grid/io/fiv.h"
 #include "grid/io/sh9.h"
 #include "grid/io/sphere_set.h"
-#include "tools/input/vdb.h"
+#include "tools/input/vdb/load.h"
 
 namespace ivory {
 

@@ -1,4 +1,4 @@
-#include "tools/input/trial.h"
+#include "tools/input/vdb/trial.h"
 
 #include <array>
 #include <cerrno>

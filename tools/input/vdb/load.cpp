@@ -1,11 +1,11 @@
-#include "tools/input/vdb.h"
+#include "tools/input/vdb/load.h"
 
 #include <filesystem>
 
 #include "grid/base/error.h"
 #include "grid/io/vdb/seal.h"
 #include "grid/io/vdb/vdb.h"
-#include "tools/input/trial.h"
+#include "tools/input/vdb/trial.h"
 
 namespace ivory {
 
