@@ -120,9 +120,10 @@ EnvironmentMap resampled(const Source& source, const std::vector<Rgb>& texels, i
   std::vector<double> row_flux(std::size_t(source.rows) * 3);
   tbb::parallel_for(0, source.rows, [&](int row) {
     V3d sum(0, 0, 0);
-    for (int column = 0; column < source.columns; ++column)
+    for (int column = 0; column < source.columns; ++column) {
       sum += V3d(base[std::size_t(row) * std::size_t(source.columns) + std::size_t(column)]) *
              source.solid_angle(row, column);
+    }
     for (unsigned k = 0; k < 3; ++k) row_flux[std::size_t(row) * 3 + k] = sum[k];
   });
   Rgb scale(1, 1, 1);
@@ -134,6 +135,7 @@ EnvironmentMap resampled(const Source& source, const std::vector<Rgb>& texels, i
   for (Rgb& texel : out.radiance) texel *= scale;
 
   std::vector<double> inverse;
+  inverse.reserve(std::size_t(height));
   for (int row = 0; row < height; ++row) inverse.push_back(1 / latlong(row, 0).solid_angle);
   for (int row = 0; row < source.rows; ++row) {
     for (int column = 0; column < source.columns; ++column) {

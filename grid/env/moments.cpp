@@ -36,7 +36,8 @@ BlockTable make_block_table(int width) {
   const int columns = std::min(block_columns, width);
   for (auto& f : table.f) f.resize(std::size_t(3 * columns));
   for (int i = 0; i < 3 * columns; ++i) {
-    const double x = 2 * std::numbers::pi / width * (i / 3);
+    const int column = i / 3;
+    const double x = 2 * std::numbers::pi / width * column;
     table.f[0][std::size_t(i)] = std::cos(x);
     table.f[1][std::size_t(i)] = std::sin(x);
     table.f[2][std::size_t(i)] = std::cos(2 * x);

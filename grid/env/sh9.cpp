@@ -201,11 +201,12 @@ Sh9Window least_window(const Sh9& sh) {
     const Sh9Window window = best_with(double(i) / steps);
     if (change(window) < change(best)) best = window;
   }
-  for (; spacing > 1e-6; spacing /= 2) {
+  while (spacing > 1e-6) {
     for (const double step : {-0.5, 0.5}) {
       const Sh9Window window = best_with(std::clamp(best.band2 + step * spacing, 0.0, 1.0));
       if (change(window) < change(best)) best = window;
     }
+    spacing /= 2;
   }
   return best;
 }

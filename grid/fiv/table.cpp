@@ -58,9 +58,10 @@ FivTable first_hemisphere(const FivTable& six) {
   FivTable one = six;
   one.hemispheres = 1;
   one.values.clear();
-  for (std::size_t i = 0; i < fiv_sample_count(six); ++i)
+  for (std::size_t i = 0; i < fiv_sample_count(six); ++i) {
     one.values.insert(one.values.end(), six.values.begin() + std::ptrdiff_t(36 * i),
                       six.values.begin() + std::ptrdiff_t(36 * i + 9));
+  }
   return one;
 }
 

@@ -101,10 +101,11 @@ void clamp_below_zero(const std::string& path, LoadedEnvironment& loaded) {
     for (unsigned c = 0; c < 3; ++c) texel[c] = std::max(0.0F, texel[c]);
   const double after = sum_of(radiance_moments(loaded.image).total);
   const double share = after > before ? (after - before) / after : 0;  // infinite where nothing is above zero
-  if (share > most_below_zero)
+  if (share > most_below_zero) {
     throw Error(path,
                 fmt::format("holds values below zero in {}, {:.3g} % of its light", texel_count(count), 100 * share),
                 "clamp it at zero where that is meant");
+  }
   loaded.warnings.push_back(
       fmt::format("{}: {} below zero, {:.2g} % of the light, count as 0", path, texel_count(count), 100 * share));
 }
@@ -158,13 +159,15 @@ LoadedEnvironment load_environment_image(const std::string& path, std::optional<
     for (const std::string& warning : *warnings) loaded.warnings.push_back(path + ": " + warning);
   clamp_below_zero(path, loaded);
   bring_to_nits(path, picture, loaded);
-  for (const Rgb& texel : texels_of(loaded.image))
+  for (const Rgb& texel : texels_of(loaded.image)) {
     if (!std::isfinite(texel.x + texel.y + texel.z))
       throw Error(path, "holds values that in nits are beyond all numbers", "scale it down");
+  }
 
-  if (picture.transfer != Transfer::linear || !is_rec709(picture.primaries))
+  if (picture.transfer != Transfer::linear || !is_rec709(picture.primaries)) {
     loaded.facts["environment_color_space"] =
         transfer_name(picture) + (is_rec709(picture.primaries) ? " Rec.709" : " of its own primaries");
+  }
   if (!picture.layer.empty()) loaded.facts["environment_layer"] = picture.layer;
   return loaded;
 }

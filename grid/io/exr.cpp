@@ -124,7 +124,7 @@ ExrAsset read_header(const std::string& path, const Imf::Header& header, const s
   asset.kind = text_attribute(header, kind_key);
   if (asset.kind != kind)
     throw Error(path, asset.kind.empty() ? "is no asset of ivory" : "holds " + asset.kind + ", not " + kind, remedy);
-  const Imath::Box2i window = header.dataWindow();
+  const Imath::Box2i& window = header.dataWindow();
   asset.width = window.max.x - window.min.x + 1;
   asset.height = window.max.y - window.min.y + 1;
   asset.channels = split_words(text_attribute(header, prefix + "channels"));

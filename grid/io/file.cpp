@@ -167,10 +167,11 @@ void write_file(const std::string& path, std::string_view bytes, bool force) {
   int error = file < 0 ? errno : 0;
   while (error == 0 && !bytes.empty()) {
     const ssize_t count = ::write(file, bytes.data(), bytes.size());
-    if (count >= 0)
+    if (count >= 0) {
       bytes.remove_prefix(std::size_t(count));
-    else if (errno != EINTR)
+    } else if (errno != EINTR) {
       error = errno;
+    }
   }
   if (file >= 0 && ::close(file) != 0 && error == 0) error = errno;
   if (error != 0) throw not_written(path, error);

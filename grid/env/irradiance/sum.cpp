@@ -51,10 +51,11 @@ class Texels {
     const std::size_t i = std::size_t(row / k_) * std::size_t(columns_ / k_) + std::size_t(column / k_);
     return std::visit(
         [&](const auto& map) -> Rgb {
-          if constexpr (std::is_same_v<std::decay_t<decltype(map)>, EnvironmentMap>)
+          if constexpr (std::is_same_v<std::decay_t<decltype(map)>, EnvironmentMap>) {
             return map.radiance[i];
-          else
+          } else {
             return map.texels[i];
+          }
         },
         image_->map);
   }
@@ -110,9 +111,10 @@ Gain gain_of(std::vector<Part>& tree, std::size_t i, const std::vector<Texels>& 
   if (tree[i].parts == 0) {
     const Part whole = tree[i];
     tree[i].parts = tree.size();
-    for (int part = 0; part < parts_across * parts_across; ++part)
+    for (int part = 0; part < parts_across * parts_across; ++part) {
       tree.push_back(make_part(levels, whole.level + 1, whole.row * parts_across + part / parts_across,
                                whole.column * parts_across + part % parts_across));
+    }
   }
   Gain sum;
   for (std::size_t part = tree[i].parts, end = part + parts_across * parts_across; part < end; ++part) {

@@ -129,9 +129,10 @@ std::array<double, 16> transform_matrix(const PlacedFrame& placed) {
   std::array<double, 16> m{};
   for (int row = 0; row < 3; ++row) {
     // Products of floats are exact in double.
-    for (int column = 0; column < 3; ++column)
+    for (int column = 0; column < 3; ++column) {
       m[4 * std::size_t(row) + std::size_t(column)] =
           double(frame.spacing_m[row]) * double(frame.local_to_world[row][column]);
+    }
     m[12 + std::size_t(row)] = double(frame.origin_m[row]) + placed.anchor_m[row];
   }
   m[15] = 1;

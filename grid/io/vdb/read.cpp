@@ -50,6 +50,7 @@ IrradianceGrid read_grid(OpenVdbFile& in, bool with_groups) {
       moment_bytes + std::size_t(file_stride(basis)) * sizeof(float) + groups.size() * (moment_bytes + sizeof(Rgb)));
   StoredMoments all = read_moments(in, read, basis, "");
   std::vector<GridGroup> of_groups;
+  of_groups.reserve(groups.size());
   for (const std::string& group : groups) of_groups.push_back({read_moments(in, read, basis, group), group});
   return {std::move(read.vertices), std::move(all), std::move(of_groups)};
 }
@@ -88,6 +89,7 @@ GridAccumulator read_accumulator(OpenVdbFile& in) {
   };
   std::vector<std::int64_t> sums = read_sums("");
   std::vector<SumGroup> groups;
+  groups.reserve(group_names.size());
   for (const std::string& group : group_names) groups.push_back({group, read_sums(group)});
   if ((in.get<std::int64_t>("guard_stored") != 0) != !read.vertices.guard.empty()) throw in.missing("grid guard_0");
   return {std::move(read.vertices), estimator,          std::move(sums),     quantum,          quantum_squared,
@@ -120,10 +122,9 @@ Metadata read_info(OpenVdbFile& in) {
       const std::string grid_name = (level == 0 ? visible_fraction_name : of_finer) + level_suffix(level);
       if (!in.file.hasGrid(grid_name)) throw in.missing("grid " + grid_name);
       const auto grid = in.file.readGridMetadata(grid_name);
-      if (const auto count = grid->getMetadata<openvdb::Int64Metadata>(openvdb::GridBase::META_FILE_VOXEL_COUNT))
-        active += std::int64_t(count->value());
-      else
-        continue;
+      const auto count = grid->getMetadata<openvdb::Int64Metadata>(openvdb::GridBase::META_FILE_VOXEL_COUNT);
+      if (!count) continue;
+      active += std::int64_t(count->value());
       info["active_vertices"] = active;
     }
   }

@@ -96,7 +96,7 @@ void put_groups(openvdb::MetaMap& map, const std::vector<Group>& groups) {
 template <typename Grid>
 typename Grid::Ptr make_grid(const std::string& grid_name, const openvdb::math::Transform::Ptr& transform) {
   // From OpenVDB's registry: Grid::create() would compile all virtual functions of Grid and its tree here.
-  const auto grid = openvdb::gridPtrCast<Grid>(openvdb::GridBase::createGrid(Grid::gridType()));
+  auto grid = openvdb::gridPtrCast<Grid>(openvdb::GridBase::createGrid(Grid::gridType()));
   grid->setName(grid_name);
   grid->setCreator("ivory " IVORY_VERSION);
   grid->setTransform(transform);
@@ -128,7 +128,7 @@ void fill(Grid& grid, const Lattice& lattice, const VertexRange& range, const st
 template <typename Grid, typename Value>
 typename Grid::Ptr make_grid(const std::string& grid_name, const openvdb::math::Transform::Ptr& transform,
                              const Lattice& lattice, int level, const std::vector<bool>& active, const Value& value) {
-  const auto grid = make_grid<Grid>(grid_name + level_suffix(level), transform);
+  auto grid = make_grid<Grid>(grid_name + level_suffix(level), transform);
   fill(*grid, lattice, vertices_of(lattice, level), active, value);
   return grid;
 }
