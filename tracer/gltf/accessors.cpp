@@ -26,10 +26,11 @@ void check_range(const Document& document, int view, std::size_t offset, std::si
   const std::size_t size = document.model.bufferViews[std::size_t(view)].byteLength;
   // (count - 1) stride + element <= size - offset, without overflow
   const bool fits = offset <= size && element <= size - offset && (count - 1) <= (size - offset - element) / stride;
-  if (!fits)
+  if (!fits) {
     document.fail(fmt::format("{} reaches beyond bufferViews[{}] ({} elements of {} bytes, {} bytes there)", what, view,
                               count, element, size),
                   remedy);
+  }
 }
 
 void check_accessor(Document& document, std::size_t index) {
@@ -134,10 +135,12 @@ std::vector<std::uint32_t> sparse_indices(const Document& document, const tinygl
   read_unsigned(sparse.indices.componentType,
                 view_data(document, sparse.indices.bufferView, what) + sparse.indices.byteOffset,
                 component_bytes(sparse.indices.componentType), indices.size(), indices.data());
-  for (const std::uint32_t index : indices)
-    if (index >= accessor.count)
+  for (const std::uint32_t index : indices) {
+    if (index >= accessor.count) {
       document.fail(fmt::format("{} has a sparse index {} beyond its {} elements", what, index, accessor.count),
                     remedy);
+    }
+  }
   return indices;
 }
 
@@ -158,22 +161,25 @@ void read_elements(const Document& document, int index, const std::string& what,
     convert<n>(accessor.componentType,
                view_data(document, accessor.sparse.values.bufferView, what) + accessor.sparse.values.byteOffset,
                element_bytes(accessor), places.size(), accessor.normalized, values.data());
-    for (std::size_t i = 0; i < places.size(); ++i)
+    for (std::size_t i = 0; i < places.size(); ++i) {
       if (places[i] >= first && places[i] - first < count)
         std::copy_n(&values[i * n], n, out + (places[i] - first) * n);
+    }
   }
-  for (std::size_t i = 0; i < count * n; ++i)
+  for (std::size_t i = 0; i < count * n; ++i) {
     if (!std::isfinite(out[i]))
       document.fail(fmt::format("{} (accessors[{}]) is not finite at element {}", what, index, first + i / n), remedy);
+  }
 }
 
 void check_components(const Document& document, int index, const std::string& what, int components) {
   const tinygltf::Accessor& accessor = document.model.accessors[std::size_t(index)];
   if (tinygltf::GetNumComponentsInType(std::uint32_t(accessor.type)) != components ||
-      accessor.type == TINYGLTF_TYPE_MAT2)
+      accessor.type == TINYGLTF_TYPE_MAT2) {
     document.fail(fmt::format("{} (accessors[{}]) does not have {} component{}", what, index, components,
                               components == 1 ? "" : "s"),
                   remedy);
+  }
 }
 
 // Vectors of n floats without padding, as all of Imath's are.

@@ -68,9 +68,10 @@ bool decode(const CompressedView& view, std::vector<std::uint8_t>& out) {
   out.resize(view.count * view.stride);
   if (view.mode == "TRIANGLES")
     return meshopt_decodeIndexBuffer(out.data(), view.count, view.stride, view.source.data(), view.source.size()) == 0;
-  if (view.mode == "INDICES")
+  if (view.mode == "INDICES") {
     return meshopt_decodeIndexSequence(out.data(), view.count, view.stride, view.source.data(), view.source.size()) ==
            0;
+  }
   if (meshopt_decodeVertexBuffer(out.data(), view.count, view.stride, view.source.data(), view.source.size()) != 0)
     return false;
   if (view.filter == "OCTAHEDRAL") meshopt_decodeFilterOct(out.data(), view.count, view.stride);

@@ -169,9 +169,10 @@ std::vector<Candidate> candidates(const Document& document, const std::string& u
       {percent_decoded(bare), "without its query"},
       {with_slashes(percent_decoded(bare)), "without its query, with slashes for its backslashes"}};
   std::vector<Candidate> result;
-  for (const Spelling& spelling : spellings)
+  for (const Spelling& spelling : spellings) {
     for (const fs::path& folder : folders)
       if (!spelling.name.empty()) result.push_back({folder / fs::path(spelling.name), spelling.mended});
+  }
   return result;
 }
 
@@ -228,9 +229,10 @@ void parse_model(Document& document) {
   // tinygltf wants a view for every accessor of indices.
   const int no_view = copy.contains("bufferViews") ? int(copy["bufferViews"].size()) : 0;
   copy["bufferViews"].push_back({{"buffer", 0}, {"byteLength", 1}});
-  if (copy.contains("accessors"))
+  if (copy.contains("accessors")) {
     for (json& accessor : copy["accessors"])
       if (!accessor.contains("bufferView")) accessor["bufferView"] = no_view;
+  }
 
   const std::string text = copy.dump();
   tinygltf::TinyGLTF parser;

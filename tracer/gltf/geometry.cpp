@@ -138,10 +138,11 @@ void generate_tangents(Mesh& mesh, const TextureUse& use) {
     V3f t = sums[std::size_t(side_of[i])][source[i]];
     t -= n * n.dot(t);
     const float length = t.length();
-    if (length > 0 && std::isfinite(length))
+    if (length > 0 && std::isfinite(length)) {
       t /= length;
-    else  // no uv extent: any direction across the normal
+    } else {  // no uv extent: any direction across the normal
       t = (std::abs(n.x) < 0.9F ? V3f(1, 0, 0) : V3f(0, 1, 0)).cross(n).normalized();
+    }
     mesh.tangents[i] = V4f(t.x, t.y, t.z, side_of[i] != 0 ? 1.0F : -1.0F);
   }
 }

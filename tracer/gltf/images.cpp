@@ -153,9 +153,10 @@ std::string decode_image(std::span<const std::uint8_t> bytes, Image& image) {
   const ImageHeader& header = file->header;
   const Size size = claimed_size(bytes);
   if (header.width < 1 || header.height < 1 || std::size_t(header.width) != size.width ||
-      std::size_t(header.height) != size.height)
+      std::size_t(header.height) != size.height) {
     return fmt::format("says it is {} x {} pixels and is {} x {}", size.width, size.height, header.width,
                        header.height);
+  }
   const std::size_t pixels = size.width * size.height;
   if (header.channels < 1 || header.channels > 4) return fmt::format("has {} channels", header.channels);
 
@@ -178,11 +179,12 @@ void load_images(Document& document, const std::vector<char>& material_used, Sce
       const int texture = (scene.materials[i].*slot).texture;
       if (texture == no_index) continue;
       const int image = scene.textures[std::size_t(texture)].image;
-      if (image == no_index)
+      if (image == no_index) {
         document.warn(label("materials", i, scene.materials[i].name) +
                       fmt::format(" uses textures[{}], which has no image that ivory reads; white is used", texture));
-      else
+      } else {
         used[std::size_t(image)] = 1;
+      }
     }
   }
 

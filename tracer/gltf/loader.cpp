@@ -51,10 +51,11 @@ LoadedScene load_gltf(const std::string& path, const LoadParams& params) {
   gltf::parse_model(document);
   gltf::check_accessors(document);
   if (!params.time_s && !params.animation.empty()) throw ParameterError("animation", "is of no use without a time");
-  if (params.time_s)
+  if (params.time_s) {
     gltf::apply_animation(document, params.animation, *params.time_s);
-  else
+  } else {
     gltf::warn_of_animations(document);
+  }
 
   LoadedScene loaded;
   Scene& scene = loaded.scene;

@@ -36,10 +36,11 @@ void check_format(const Attributes& attributes, const std::string& name) {
   if (name == "NORMAL" || name == "TANGENT")
     good &= !is_integer(type) || (accessor.normalized && !is_unsigned_small(type));
   if (name == "COLOR_0") good &= !is_integer(type) || (accessor.normalized && is_unsigned_small(type));
-  if (!good)
+  if (!good) {
     attributes.document.fail(fmt::format("{} has {} in component type {}{}", attributes.what, name, type,
                                          accessor.normalized ? " (normalized)" : ""),
                              remedy);
+  }
 }
 
 // glTF 2.0, section 3.7.2.1: the corners of triangle i of strips and fans.
@@ -51,10 +52,11 @@ std::vector<Triangle> triangulate(const std::vector<std::uint32_t>& v, int mode)
   } else if (v.size() >= 3) {
     triangles.reserve(v.size() - 2);
     for (std::size_t i = 0; i + 2 < v.size(); ++i) {
-      if (mode == TINYGLTF_MODE_TRIANGLE_STRIP)
+      if (mode == TINYGLTF_MODE_TRIANGLE_STRIP) {
         triangles.emplace_back(v[i], v[i + 1 + i % 2], v[i + 2 - i % 2]);
-      else
+      } else {
         triangles.emplace_back(v[i + 1], v[i + 2], v[0]);
+      }
     }
   }
   return triangles;
@@ -67,10 +69,11 @@ void read_triangles(Document& document, Attributes& attributes, int mode, Mesh& 
     // Draco's own triangles, whatever mode the primitive was before compression (the extension
     // allows strips, which then only say how the triangles were stored).
     indices = attributes.draco->indices();
-    if (attributes.draco->vertex_count() != vertices)
+    if (attributes.draco->vertex_count() != vertices) {
       document.fail(fmt::format("{} has {} vertices in its Draco data but accessors of {}", attributes.what,
                                 attributes.draco->vertex_count(), vertices),
                     remedy);
+    }
     mode = TINYGLTF_MODE_TRIANGLES;
   } else if (attributes.primitive.indices >= 0) {
     indices = read_indices(document, attributes.primitive.indices, attributes.what + " indices");
@@ -78,9 +81,10 @@ void read_triangles(Document& document, Attributes& attributes, int mode, Mesh& 
     indices.resize(vertices);
     for (std::size_t i = 0; i < vertices; ++i) indices[i] = std::uint32_t(i);
   }
-  for (const std::uint32_t index : indices)
+  for (const std::uint32_t index : indices) {
     if (index >= vertices)
       document.fail(fmt::format("{} has index {} but {} vertices", attributes.what, index, vertices), remedy);
+  }
   if (mode == TINYGLTF_MODE_TRIANGLES && indices.size() % 3 != 0)
     document.warn(fmt::format("{} ends with a part of a triangle, which is dropped", attributes.what));
   if (!attributes.draco && !indices.empty()) {
@@ -96,9 +100,10 @@ void check_positions(const Document& document, const Attributes& attributes, con
     const V3f& p = mesh.positions[i];
     const bool good =
         std::abs(p.x) <= max_coordinate_m && std::abs(p.y) <= max_coordinate_m && std::abs(p.z) <= max_coordinate_m;
-    if (!good)
+    if (!good) {
       document.fail(fmt::format("{} has vertex {} farther out than {} m", attributes.what, i, max_coordinate_m),
                     "scale the model down");
+    }
   }
 }
 

@@ -74,9 +74,10 @@ void write_display_image(const std::string& path, const DisplayImage& image, con
 
 ImageFile read_image_file(const std::string& path) {
   StoredPicture picture = read_picture(path, "give an EXR or other image file");
-  for (const Rgb& texel : picture.texels)
+  for (const Rgb& texel : picture.texels) {
     for (int c = 0; c < 3; ++c)
       if (!std::isfinite(texel[c])) throw Error(path, "holds values that are not finite", "render it again");
+  }
   ImageFile file;
   file.film.width = picture.width;
   file.film.height = picture.height;

@@ -16,9 +16,10 @@ void check_name(const std::string& name) {
   const bool plain = std::ranges::all_of(name, [](char c) {
     return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
   });
-  if (name.empty() || name.size() > most_name_letters || !plain)
+  if (name.empty() || name.size() > most_name_letters || !plain) {
     throw ParameterError("groups", "'" + name + "' is no name of a group: take up to " +
                                        std::to_string(most_name_letters) + " letters, digits and '_'");
+  }
 }
 
 bool takes(const std::string& pattern, const Lights& lights, const Scene& scene, std::size_t light) {
@@ -61,9 +62,10 @@ LightGroups make_light_groups(const Lights& lights, const Scene& scene, const st
     groups.of_light.push_back(index_of(rule != rules.end() ? rule->name : stored_group(lights, scene, light)));
   }
   for (std::size_t i = 0; i < rules.size(); ++i) {
-    if (!used[i])
+    if (!used[i]) {
       throw ParameterError("groups",
                            "'" + rules[i].name + "' has no light: none matches, or an earlier group has them");
+    }
   }
   return groups;
 }

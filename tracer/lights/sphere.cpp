@@ -56,14 +56,16 @@ bool finite(const V3f& v) { return std::isfinite(v.x) && std::isfinite(v.y) && s
 void add_sphere_light(Scene& scene, const SphereLight& light, const std::string& source) {
   const Rgb& l = light.radiance_nits;
   if (!finite(light.center) || !std::isfinite(light.radius_m) || !(light.radius_m > 0) || !finite(l) || l.x < 0 ||
-      l.y < 0 || l.z < 0)
+      l.y < 0 || l.z < 0) {
     throw Error(source, "has a spherical light that is not finite, without radius or with negative radiance",
                 "give position and radius in metres and radiance in nits");
+  }
   const float far_out = std::max({std::abs(light.center.x), std::abs(light.center.y), std::abs(light.center.z)});
   // Triangles are a fortieth of the radius wide; they need some ten steps of float.
-  if (light.radius_m < 1e-7F * 400 * far_out || light.radius_m < 1e-6F || light.radius_m > 1e9F)
+  if (light.radius_m < 1e-7F * 400 * far_out || light.radius_m < 1e-6F || light.radius_m > 1e9F) {
     throw Error(source, "has a spherical light too small or too large for its distance from the origin",
                 "move or scale the scene");
+  }
   scene.sphere_lights.push_back(light);
   scene.sphere_lights.back().instance = int(scene.instances.size());
 

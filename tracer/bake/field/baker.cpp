@@ -124,9 +124,10 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
   const auto range = params.photon_range.value_or(std::pair<std::uint64_t, std::uint64_t>{0, photons});
   const std::uint64_t begin = range.first;  // Clang 14 does not capture structured bindings
   const std::uint64_t end = range.second;
-  if (begin >= end || end > photons)
+  if (begin >= end || end > photons) {
     throw ParameterError("photon_range", "it must be A:B with A below B and B at most the " + std::to_string(photons) +
                                              " photons of the whole bake");
+  }
 
   std::vector<std::uint64_t> masks = params.guard == Guard::off
                                          ? std::vector<std::uint64_t>(vertices, ~std::uint64_t(0))

@@ -75,9 +75,10 @@ GridAccumulator to_accumulator(DepositTarget target) {
   const auto slots = std::size_t(target.layout.slots);
   out.sums.resize(target.sums.size());
   tbb::parallel_for(std::size_t(0), target.cell_masks.size(), [&](std::size_t v) {
-    for (std::size_t slot = 0; slot < slots; ++slot)
+    for (std::size_t slot = 0; slot < slots; ++slot) {
       std::copy_n(target.sums.begin() + std::ptrdiff_t(target.lane_index(slot, v)), lanes,
                   out.sums.begin() + std::ptrdiff_t((v * slots + slot) * lanes));
+    }
   });
   return out;
 }

@@ -69,10 +69,11 @@ std::vector<bool> spread(const std::vector<bool>& marked, const GridFrame& frame
 // Conservative: the box around the region's corners in the grid's own axes.
 void mark_region(const Box3f& region, const GridFrame& frame, std::vector<bool>& marked) {
   Box3f box;
-  for (unsigned corner = 0; corner < 8; ++corner)
+  for (unsigned corner = 0; corner < 8; ++corner) {
     box.extendBy(frame.to_index({(corner & 1U) != 0 ? region.max.x : region.min.x,
                                  (corner & 2U) != 0 ? region.max.y : region.min.y,
                                  (corner & 4U) != 0 ? region.max.z : region.min.z}));
+  }
   V3i first;
   V3i last;
   for (unsigned axis = 0; axis < 3; ++axis) {

@@ -111,10 +111,11 @@ void PhotonDepositor::deposit_all(const std::vector<PhotonSegment>& segments) {
       const auto add_wide_at = [&](std::uint32_t vertex, unsigned bit) {
         if (((target_.cell_masks[vertex] >> bit) & 1U) != 0) add_wide(a_metre.slot, vertex, values.data(), lanes);
       };
-      if (level == 0)
+      if (level == 0) {
         for_each_sample(lattice.frame, *run, add_wide_at, [] {});
-      else
+      } else {
         for_each_sample(lattice.finer[std::size_t(level - 1)], *run, add_wide_at, [] {});
+      }
     }
   }
   for (Scale* scale : {&coarse_, &fine_}) {
@@ -134,10 +135,11 @@ void PhotonDepositor::sample_runs(Scale& scale, std::size_t slot) {
   const auto add_level = [&](std::size_t index, const auto& level) {
     const std::vector<Run>& runs = scale.runs[index][slot];
     if (runs.empty()) return;
-    if (shared)
+    if (shared) {
       add_runs<lanes, true>(scale, slot, runs, level);
-    else
+    } else {
       add_runs<lanes, false>(scale, slot, runs, level);
+    }
   };
   add_level(0, lattice.frame);
   for (std::size_t i = 0; i < lattice.finer.size(); ++i) add_level(i + 1, lattice.finer[i]);
@@ -291,10 +293,11 @@ void PhotonDepositor::add_step(std::size_t slot, std::size_t vertex, const float
   } else {
     for (std::size_t i = 0; i < lanes; ++i) integers[i] = rounded(values[i]);
   }
-  if (target_.buffers == DepositBuffers::shared)
+  if (target_.buffers == DepositBuffers::shared) {
     add_shared<lanes>(target_.sums.data() + first, integers.data(), scale.unit_bits);
-  else if (add<lanes>(scale.sums.data() + first, integers.data()))
+  } else if (add<lanes>(scale.sums.data() + first, integers.data())) {
     spill(scale, first, lanes);
+  }
 }
 
 // One thread at a time adds to a slot of a vertex: who finds its first lane there takes it out until the others are

@@ -124,6 +124,7 @@ NearVertices::NearVertices(const Scene& scene, const GridFrame& level, float rea
 
 std::vector<NearVertices> vertices_near_surfaces(const Scene& scene, const Lattice& lattice, float reach_voxels) {
   std::vector<NearVertices> out;
+  out.reserve(lattice.levels());
   for (int level = 0; level < lattice.levels(); ++level) out.emplace_back(scene, lattice.frame_of(level), reach_voxels);
   return out;
 }
@@ -156,9 +157,10 @@ Lattice make_scene_lattice(const Scene& scene, const GridFrame& finest, const Sc
   if (params.levels == 1) return finest;
   const int multiple = 1 << params.levels;
   for (int axis = 0; axis < 3; ++axis) {
-    if (finest.size[axis] % multiple != 0)
+    if (finest.size[axis] % multiple != 0) {
       throw ParameterError(
           "levels", fmt::format("{} of them need a multiple of {} vertices along each axis", params.levels, multiple));
+    }
   }
   std::vector<std::vector<V3i>> bricks(std::size_t(params.levels - 1));
   const GridFrame coarsest = coarser_frame(finest, params.levels - 1);

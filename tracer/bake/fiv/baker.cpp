@@ -82,9 +82,10 @@ std::vector<FivTable> bake(const FivOccluder& occluder, const CubeMap& environme
                             progress_from(0));
   shared.coverage = float(rest.coverage);
   FivSums bright;
-  if (!split.bright.w.empty())
+  if (!split.bright.w.empty()) {
     bright = gather_fiv(object, split.bright, refined.positions(), params.hemispheres,
                         params.silhouette_pixels * bright_pixels_factor, progress_from(split.rest.w.size()));
+  }
 
   std::vector<FivTable> tables;
   for (std::size_t i = 0; i < sizes.size(); ++i) {
@@ -110,10 +111,11 @@ std::vector<FivTable> bake(const FivOccluder& occluder, const CubeMap& environme
 }
 
 void check_environment_size(const CubeMap& environment, const FivParams& params) {
-  if (params.environment_size < 1 || environment.size % params.environment_size != 0)
+  if (params.environment_size < 1 || environment.size % params.environment_size != 0) {
     throw ParameterError("environment_size",
                          fmt::format("{} does not divide the {} texels along the environment's faces",
                                      params.environment_size, environment.size));
+  }
 }
 
 }  // namespace

@@ -163,9 +163,10 @@ SplitDirections split_bright(const FivDirections& directions, int parts) {
   const double share = total_of(directions.power) / parts;
   std::vector<Light> bright;
   std::vector<Light> rest;
-  for (std::size_t k = 0; k < directions.w.size(); ++k)
+  for (std::size_t k = 0; k < directions.w.size(); ++k) {
     (double(max_component(directions.power[k])) > share ? bright : rest)
         .push_back({directions.w[k], directions.power[k]});
+  }
   return {sorted_by_octant(bright), sorted_by_octant(rest)};
 }
 

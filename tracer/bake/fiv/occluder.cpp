@@ -154,7 +154,7 @@ std::optional<FivPlacement> find_placement(const FivTable& table, const Scene& s
   const std::vector<V3d> points = world_points(scene, is_part);
   if (points.empty()) return std::nullopt;
   // About any centre and radius: the first of the moments then gives those that the table's numbers belong to.
-  const V3d any = points.front();
+  const V3d& any = points.front();
   const SurfaceMoments moved = moments_of(points, any, 1);
   const double radius = std::sqrt(double(moved[0]) / double(table.shape[0]));
   const V3d centroid = any + V3d(double(moved[1]), double(moved[2]), double(moved[3]));

@@ -31,6 +31,7 @@ std::vector<std::vector<float>> fiv_radii(const FivOccluder& occluder, const Cub
   const FivDirections directions = make_fiv_pilot_directions(environment, pilot_environment);
   std::vector<float> pilot;
   const double step = std::log(double(params.farthest) / double(nearest)) / (pilot_spheres - 1);
+  pilot.reserve(pilot_spheres);
   for (int k = 0; k < pilot_spheres; ++k) pilot.push_back(float(double(nearest) * std::exp(step * k)));
   const V3i size(pilot_azimuths, pilot_polars, pilot_spheres);
   const std::vector<V3f> positions = fiv_sample_positions(size, pilot);

@@ -36,9 +36,10 @@ ShadowCylinders trace_shadow_cylinders(const Intersector& object, std::span<cons
           origins[std::size_t(i)] = row_origin + frame.x * ((float(first + i) + 0.5F) * pixel - 1);
         const std::array<float, 8> t = object.distances(origins, count, -frame.z);
         for (int i = 0; i < count; ++i) {
-          if (std::isfinite(t[std::size_t(i)]))
+          if (std::isfinite(t[std::size_t(i)])) {
             depth[std::size_t(row) * std::size_t(resolution) + std::size_t(first + i)] =
                 start_height - t[std::size_t(i)];
+          }
         }
       }
     }

@@ -67,6 +67,7 @@ Normalised normalise(const Scene& scene) {
 std::vector<V3d> surface_samples(const std::vector<Triangle3d>& triangles, std::size_t count) {
   std::vector<double> ends;
   double area = 0;
+  ends.reserve(triangles.size());
   for (const Triangle3d& t : triangles) ends.push_back(area += 0.5 * (t[1] - t[0]).cross(t[2] - t[0]).length());
   std::vector<V3d> points;
   points.reserve(count);

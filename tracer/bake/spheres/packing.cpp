@@ -86,10 +86,11 @@ Candidate climb(const Voxels& voxels, const V3d& start, double radius, double fi
         if (tried.gain > next.gain) next = tried;
       }
     }
-    if (next.gain > best.gain)
+    if (next.gain > best.gain) {
       best = next;
-    else
+    } else {
       step *= 0.5;
+    }
   }
   return best;
 }

@@ -63,9 +63,10 @@ void Extent::check_vertices(std::size_t node, const Mesh& mesh, float farthest) 
       "{} has a mesh '{}' with vertices at {:.7g} of its file's units, where floats are {:.2g} apart and half "
       "of its triangles shorter than {:.2g}",
       node_label(document_, node), mesh.name, farthest, step, edge);
-  if (step >= lost * edge)
+  if (step >= lost * edge) {
     document_.fail(cause + ": its shape is lost",
                    "export it near its origin, with the distance in its node's translation");
+  }
   document_.warn(cause +
                  ": vertices far out are rough; export the mesh near its origin, with the distance in its node's "
                  "translation");

@@ -54,9 +54,10 @@ class Placer {
   // file itself, which `world` ends with.
   void measure(std::size_t index, const M44d& file, const M44d& world, bool visible, bool left_out) {
     const tinygltf::Node& node = document_.model.nodes[index];
-    for (int i = 0; i < 16; ++i)
+    for (int i = 0; i < 16; ++i) {
       if (!(std::abs(world[i / 4][i % 4]) < 1e30))
         document_.fail(node_label(document_, index) + " has a transform that is not finite", remedy);
+    }
     if (!visible || left_out) return;
     if (const std::optional<SphereLight> light = read_sphere_light(document_, index, to_float(world)))
       extent_.add_ball(index, row(world, 3), double(light->radius_m));
@@ -112,10 +113,11 @@ class Placer {
   // An unlit surface shows its colour whatever light falls on it, and in the programs that such files come from neither
   // shines nor throws a shadow: a dome with a picture of the sky must not put out the sun behind it.
   void warn_of_unlit() {
-    for (const auto& [material, triangles] : unlit_triangles_)
+    for (const auto& [material, triangles] : unlit_triangles_) {
       document_.warn(fmt::format(
           "{} is unlit: its surfaces neither shine, nor hide or receive light, and are left out ({} triangles)",
           label("materials", std::size_t(material), document_.model.materials[std::size_t(material)].name), triangles));
+    }
   }
 
   std::vector<char> left_out_materials() const { return left_out_materials_; }
@@ -245,10 +247,11 @@ class Placer {
     camera.name = source.name.empty() ? document_.model.nodes[node].name : source.name;
     camera.to_world = to_float(frame);
     camera.perspective = source.type == "perspective";
-    if (camera.perspective)
+    if (camera.perspective) {
       camera.yfov_rad = float(source.perspective.yfov);
-    else
+    } else {
       camera.ymag_m = float(source.orthographic.ymag * scale_);
+    }
     camera.near_m = float((camera.perspective ? source.perspective.znear : source.orthographic.znear) * scale_);
     // tinygltf has 0 where a perspective camera has no far plane.
     const double far = camera.perspective ? source.perspective.zfar : source.orthographic.zfar;
@@ -288,9 +291,10 @@ std::vector<char> place_nodes(Document& document, const MeshSet& meshes, const L
   };
   const std::vector<char> unwanted = find_nodes(document, params.without);
   const std::vector<int> roots = root_nodes(document, parents);
-  for (std::size_t i = 0; i < parents.size(); ++i)
+  for (std::size_t i = 0; i < parents.size(); ++i) {
     scene.nodes.push_back(
         {document.model.nodes[i].name, parents[i], read_fiv_table(document, i), read_light_group(document, i)});
+  }
   // visit(node, its transform, is it visible, is it left out), parents first; `file` is the transform of the file.
   const auto walk = [&](const M44d& file, const auto& visit) {
     std::vector<Open> open;

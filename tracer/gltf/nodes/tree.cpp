@@ -68,10 +68,11 @@ std::vector<int> find_parents(const Document& document) {
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     for (const int child : nodes[i].children) {
       int& parent = parents[std::size_t(child)];
-      if (parent != no_index)
+      if (parent != no_index) {
         document.fail(fmt::format("{} is a child of nodes[{}] and of nodes[{}]",
                                   node_label(document, std::size_t(child)), parent, i),
                       remedy);
+      }
       parent = int(i);
     }
   }
@@ -120,9 +121,10 @@ std::vector<char> find_nodes(const Document& document, const std::vector<std::st
     if (any) continue;
     std::size_t index = 0;
     const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), index);
-    if (error != std::errc() || end != name.data() + name.size() || index >= nodes.size())
+    if (error != std::errc() || end != name.data() + name.size() || index >= nodes.size()) {
       throw ParameterError(
           "without", fmt::format("{} has no node '{}'; it has {}, counted from 0", document.path, name, nodes.size()));
+    }
     found[index] = 1;
   }
   return found;
@@ -132,11 +134,13 @@ std::vector<int> root_nodes(Document& document, const std::vector<int>& parents)
   const tinygltf::Model& model = document.model;
   for (std::size_t s = 0; s < model.scenes.size(); ++s) {
     std::vector<int> sorted = model.scenes[s].nodes;
-    for (const int node : sorted)
-      if (parents[std::size_t(node)] != no_index)
+    for (const int node : sorted) {
+      if (parents[std::size_t(node)] != no_index) {
         document.fail(fmt::format("scenes[{}] lists {}, which is a child of another node", s,
                                   node_label(document, std::size_t(node))),
                       remedy);
+      }
+    }
     std::sort(sorted.begin(), sorted.end());
     if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end())
       document.fail(fmt::format("scenes[{}] lists a node twice", s), remedy);

@@ -7,11 +7,14 @@ namespace {
 
 void check_counts(const Document& document, const Attributes& attributes) {
   const auto& targets = attributes.primitive.targets;
-  for (std::size_t t = 0; t < targets.size(); ++t)
-    for (const auto& [name, accessor] : targets[t])
-      if (document.model.accessors[std::size_t(accessor)].count != attributes.accessor("POSITION").count)
+  for (std::size_t t = 0; t < targets.size(); ++t) {
+    for (const auto& [name, accessor] : targets[t]) {
+      if (document.model.accessors[std::size_t(accessor)].count != attributes.accessor("POSITION").count) {
         document.fail(fmt::format("{} has {} of target {} for another number of vertices", attributes.what, name, t),
                       remedy);
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -33,10 +36,11 @@ void apply_morphs(Document& document, const Attributes& attributes, std::span<co
         base[i].x += weight * delta[i].x;
         base[i].y += weight * delta[i].y;
         base[i].z += weight * delta[i].z;
-        if (!(std::isfinite(base[i].x) && std::isfinite(base[i].y) && std::isfinite(base[i].z)))
+        if (!(std::isfinite(base[i].x) && std::isfinite(base[i].y) && std::isfinite(base[i].z))) {
           document.fail(fmt::format("{} has a {} that target {} by {} moves out of all bounds", attributes.what, name,
                                     t, weights[t]),
                         remedy);
+        }
       }
     };
     displace("POSITION", mesh.positions);

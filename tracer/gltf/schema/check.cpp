@@ -66,9 +66,10 @@ class Checker {
         break;
       case Kind::numbers:
         array(value, place);
-        if (field.length != 0 && value.size() != field.length)
+        if (field.length != 0 && value.size() != field.length) {
           document_.fail(fmt::format("{} has {} numbers instead of {}", place.text(), value.size(), field.length),
                          remedy);
+        }
         for (std::size_t i = 0; i < value.size(); ++i) number(value[i], field, Place{&place, nullptr, i});
         break;
       case Kind::index:
@@ -125,11 +126,12 @@ class Checker {
     make_integer(value, place);
     const double x = value.get<double>();
     const double size = target == nullptr ? 2147483647.0 : double(array_size(target));
-    if (!(x >= 0 && x < size))
+    if (!(x >= 0 && x < size)) {
       document_.fail(target == nullptr
                          ? fmt::format("{} is {}, out of range", place.text(), x)
                          : fmt::format("{} points to {}[{}], which does not exist", place.text(), target, x),
                      remedy);
+    }
   }
 
   void index_map(json& value, const char* target, const Place& place) const {
@@ -263,9 +265,10 @@ void check_schema(Document& document) {
   };
   if (!is_version(version) || version.substr(0, 2) != "2.")
     document.fail("asset.version is '" + version + "'", "ivory reads glTF 2.0; convert the file");
-  if (minimum != "2.0")
+  if (minimum != "2.0") {
     document.fail("asset.minVersion asks for glTF " + minimum,
                   "ivory reads glTF 2.0; export the file for that version");
+  }
 }
 
 void check_animation_schema(Document& document) {
@@ -277,9 +280,10 @@ void check_extensions(Document& document) {
   std::set<std::string> declared;
   for (const json& name : root_object.value("extensionsUsed", json::array())) declared.insert(name.get<std::string>());
   for (const json& name : root_object.value("extensionsRequired", json::array())) {
-    if (!contains(understood, name.get<std::string>()) && !contains(harmless, name.get<std::string>()))
+    if (!contains(understood, name.get<std::string>()) && !contains(harmless, name.get<std::string>())) {
       document.fail("needs the extension " + name.get<std::string>() + ", which ivory does not know",
                     "export the file without it");
+    }
     declared.insert(name.get<std::string>());
   }
   std::set<std::string> present;

@@ -40,6 +40,7 @@ void measure(const LitScene& lit, const IrradianceGrid& grid, const Domain& doma
 
 void balance(std::vector<MeasuredPoint>& points) {
   std::vector<DomainPoint*> at;
+  at.reserve(points.size());
   for (MeasuredPoint& p : points) at.push_back(&p.point.at);
   balance_weights(at);
   for (MeasuredPoint& p : points) p.sample.weight = p.point.at.weight;
@@ -47,6 +48,7 @@ void balance(std::vector<MeasuredPoint>& points) {
 
 std::vector<PointError> samples_of(const std::vector<MeasuredPoint>& points) {
   std::vector<PointError> samples;
+  samples.reserve(points.size());
   for (const MeasuredPoint& p : points) samples.push_back(p.sample);
   return samples;
 }
@@ -118,10 +120,11 @@ TruePoints find_lit_points(const LitScene& lit, const Domain& domain, std::uint6
     });
     for (std::uint64_t i = 0; i < size && out.lit.size() < count; ++i) {
       ++out.next;
-      if (reached[i] != 0)
+      if (reached[i] != 0) {
         out.lit.push_back({candidates[i], begin + i, {}});
-      else if (candidates[i].weight > 0)
+      } else if (candidates[i].weight > 0) {
         out.dark.push_back(candidates[i]);
+      }
     }
   }
   return out;
