@@ -33,4 +33,8 @@ std::optional<Certificate> find_certificate(const Metadata& metadata) {
   return certificate;
 }
 
+void remove_certificate(Metadata& metadata) {
+  std::erase_if(metadata, [](const auto& entry) { return entry.first.starts_with(prefix); });
+}
+
 }  // namespace ivory

@@ -20,6 +20,9 @@ struct Certificate {
   std::map<std::string, double> parts;  // what it is made of, shares likewise: "noise", "resolution", ...
 };
 
+// Takes it out of what is no longer the asset that it was measured of.
+void remove_certificate(Metadata& metadata);
+
 // Stores it under keys that begin with "certificate_".
 void keep_certificate(const Certificate& certificate, Metadata& metadata);
 

@@ -6,6 +6,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include "grid/base/certificate.h"
 #include "grid/base/error.h"
 
 namespace ivory {
@@ -39,6 +40,7 @@ IrradianceGrid mix_groups(const IrradianceGrid& grid, const GroupFactors& factor
   mixed.metadata.erase(light_groups_key);
   mixed.metadata.erase(lamp_groups_key);
   if (as_baked) return mixed;
+  remove_certificate(mixed.metadata);
 
   const auto stride = std::size_t(grid.stride());
   mixed.moments.assign(grid.moments.size(), 0.0F);

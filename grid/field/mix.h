@@ -13,8 +13,8 @@ using GroupFactors = std::map<std::string, Rgb>;
 
 // A grid without groups, of their light times the factors. Light adds up, so it is what a bake of lamps dimmed and
 // coloured so would give, with the noise of its photons. With factors of 1 alone it is the grid's own sum of all, to
-// the bit. Throws ParameterError ("groups") where the grid keeps none or not the one named, and for factors that are
-// negative or not finite.
+// the bit; with others it loses the certificate, which was measured of that sum. Throws ParameterError ("groups") where
+// the grid keeps none or not the one named, and for factors that are negative or not finite.
 IrradianceGrid mix_groups(const IrradianceGrid& grid, const GroupFactors& factors);
 
 }  // namespace ivory

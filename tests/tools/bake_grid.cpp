@@ -221,7 +221,7 @@ TEST(BakeGrid, GroupsOfLightsAreMixedAfterTheBake) {
       for (std::string cell; std::getline(cells, cell, ',');) values.push_back(std::stod(cell));
       return std::vector<double>(values.begin() + 6, values.begin() + 9);
     };
-    // The rooms are closed: all of it is the lamp's.
+    // The rooms are closed: all of it is the lamp's, but for the rounding of floats on the way through the file.
     const std::vector<double> whole = e("whole.vdb");
     const std::vector<double> half = e("half.vdb");
     EXPECT_GT(whole[0], 0);

@@ -248,7 +248,7 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
   command
       .add_option("--groups", options->groups,
                   "Keeps the light of some lamps apart, for 'ivory mix' and the viewer: a group's name and its nodes'\n"
-                  "names, with * and ?, @environment or @suns; may be repeated. Other lights go by\n"
+                  "names by a shell's patterns, @environment or @suns; may be repeated. Other lights go by\n"
                   "extras.ivory_group of their nodes (to ask for that alone: extras), the others to group 'rest'")
       .repeated()
       .type_name("GROUP=PATTERN,..|extras");

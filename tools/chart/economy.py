@@ -16,8 +16,8 @@ TARGETS = {"quick": ("5%", "2%"), "full": ("5%", "2%", "1%")}
 VERTICES = {"quick": (8, 16, 32), "full": (8, 16, 32, 64, 96)}
 PHOTONS = {"quick": ("125k", "500k", "2m"), "full": ("125k", "500k", "2m", "8m", "32m")}
 BASES = {"quick": (), "full": ("sh9",)}
-# How many photons a vertex are still worth a try, and how many points and paths judge: one point in a thousand, beside a
-# lamp, may hold half of the squared error, so many points and few paths tell more than the reverse.
+# How many photons a vertex are still worth a try, and how many points and paths judge: of 2,000 points in the Cornell
+# box one, beside the lamp, held half of the squared error, so many points and few paths tell more than the reverse.
 PHOTONS_A_VERTEX = (3, 3000)
 POINTS, SAMPLES = {"quick": 3000, "full": 20000}, {"quick": "400", "full": "800"}
 

@@ -58,7 +58,7 @@ class Bench:
         self.make(part + ["--photon-range", "0:1k", "-o", str(folder / "a.vdb")])
         self.make(part + ["--photon-range", "1k:2k", "-o", str(folder / "b.vdb")])
         self.make(part + ["-o", str(folder / "whole.vdb")])
-        self.make(part[:-1] + ["1k", "--env", str(SKY), "--groups", "sky=@environment", "-o", str(folder / "groups.vdb")])
+        self.make(part + ["--env", str(SKY), "--groups", "sky=@environment", "-o", str(folder / "groups.vdb")])
         self.make(["bake", "difmap", str(SKY), "--size", "4", "-o", str(folder / "map.exr")])
         self.make(["bake", "sh9", str(SKY), "-o", str(folder / "map.json")])
         self.writers = writers(folder, self.points)

@@ -8,6 +8,7 @@
 
 namespace ivory {
 
+// What the options are called, and where the help lists them.
 struct GroupFactorOptions {
   std::string scale = "--scale";
   std::string tint = "--tint";
@@ -17,7 +18,7 @@ struct GroupFactorOptions {
 // Adds both, which multiply into `factors`.
 void add_group_factor_options(Command command, GroupFactors& factors, const GroupFactorOptions& names = {});
 
-// "hall=0.5,0.45,0.4", one line of the help's kind for a factor.
+// A factor as text: "hall=0.5,0.45,0.4".
 std::string text_of(const std::string& group, const Rgb& factor);
 
 }  // namespace ivory

@@ -11,8 +11,8 @@ namespace ivory {
 // Which lights a group takes.
 struct LightGroupRule {
   std::string name;  // of the group; several rules may add to one
-  // Names of nodes, of the light's own or of one above it, with * for anything and ? for any character; @environment,
-  // the environment map; @suns, all directional lights.
+  // Names of nodes, of the light's own or of one above it, patterns as a shell has them (*, ?, [a-c]);
+  // @environment, the environment map; @suns, all directional lights.
   std::vector<std::string> patterns;
 };
 

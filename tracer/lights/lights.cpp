@@ -192,7 +192,7 @@ std::size_t Lights::count() const { return state_->environment_index() + (state_
 int Lights::node_of(std::size_t light) const {
   const State& state = *state_;
   if (light < state.punctual_count())
-    return state.scene->light_nodes.empty() ? no_index : state.scene->light_nodes[light];
+    return light < state.scene->light_nodes.size() ? state.scene->light_nodes[light] : no_index;
   if (is_environment(light)) return no_index;
   return state.scene->instances[std::size_t(state.emitters[light - state.punctual_count()].instance)].node;
 }

@@ -34,10 +34,9 @@ inline constexpr const char* variance_name = "variance";
 inline constexpr const char* levels_key = "levels";  // behind file_prefix; absent in uniform grids
 std::string level_suffix(int level);
 
-// Grids and sums that keep groups of lights apart have, behind file_prefix, the groups' names with a space between, and
-// for each group the moments and the variance, or the sums, again: "hall_I_px_r", "hall_variance_level1".
-inline constexpr const char* groups_key = "groups";
-// `grid_name` itself for the group without a name: all lights.
+// Grids and sums that keep groups of lights apart have, behind meta_prefix, the groups' names with a space between
+// (light_groups_key), and for each group the moments and the variance, or the sums, again: "hall_I_px_r",
+// "hall_variance_level1". `grid_name` itself for the group without a name: all lights.
 std::string in_group(const std::string& group, const std::string& grid_name);
 
 // A guard record as six floats of 24 bits each, lowest first, in two Vec3f grids guard_0 and guard_1: python-openvdb

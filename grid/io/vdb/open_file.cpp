@@ -89,8 +89,9 @@ int OpenVdbFile::stored_levels() const {
 }
 
 std::vector<std::string> OpenVdbFile::stored_groups() const {
-  if (!(*metadata)[file_prefix + groups_key]) return {};
-  std::istringstream names(get<std::string>(groups_key));
+  const auto stored = metadata->getMetadata<openvdb::StringMetadata>(meta_prefix + light_groups_key);
+  if (!stored) return {};
+  std::istringstream names(stored->value());
   return {std::istream_iterator<std::string>(names), {}};
 }
 

@@ -89,7 +89,7 @@ template <typename Group>
 void put_groups(openvdb::MetaMap& map, const std::vector<Group>& groups) {
   std::string names;
   for (const Group& group : groups) names += (names.empty() ? "" : " ") + group.name;
-  if (!names.empty()) put(map, file_prefix + groups_key, names);
+  if (!names.empty()) put(map, meta_prefix + light_groups_key, names);
 }
 
 // An empty grid of the file.
@@ -163,8 +163,7 @@ void add_metadata_copy(const openvdb::GridCPtrVec& grids, const openvdb::MetaMap
 }
 
 void remove_groups(openvdb::MetaMap& metadata) {
-  for (const std::string& key :
-       {file_prefix + groups_key, meta_prefix + light_groups_key, meta_prefix + lamp_groups_key})
+  for (const std::string& key : {meta_prefix + light_groups_key, meta_prefix + lamp_groups_key})
     metadata.removeMeta(key);
 }
 

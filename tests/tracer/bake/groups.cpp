@@ -150,15 +150,18 @@ TEST(LightGroups, AreWhatTheirLightsAloneGive) {
 }
 
 TEST(LightGroups, AreMixedByFactors) {
-  const IrradianceGrid grid = resolve_groups(bake(room_with_nodes(), small_bake(EmissionMode::guided), true));
+  IrradianceGrid grid = resolve_groups(bake(room_with_nodes(), small_bake(EmissionMode::guided), true));
+  grid.metadata["certificate_error"] = 0.01;
   const IrradianceGrid same = mix_groups(grid, {{"hall", Rgb(1, 1, 1)}});
   EXPECT_EQ(same.moments, grid.moments);
   EXPECT_EQ(same.variance, grid.variance);
   EXPECT_TRUE(same.groups.empty());
-  EXPECT_FALSE(same.metadata.contains(light_groups_key));
+  EXPECT_FALSE(same.metadata.contains(lamp_groups_key));
+  EXPECT_TRUE(same.metadata.contains("certificate_error"));
 
   const Rgb tint(0.5F, 2, 0);
   const IrradianceGrid mixed = mix_groups(grid, {{"hall", tint}, {"rest", Rgb(0, 0, 0)}});
+  EXPECT_FALSE(mixed.metadata.contains("certificate_error"));  // it was measured of the sum of all
   const auto stride = std::size_t(grid.stride());
   for (std::size_t i = 0; i < grid.moments.size(); ++i) {
     float scale = 1e-3F;

@@ -167,6 +167,8 @@ ViewSession open_session(const SessionInput& input) {
   if (!session.factors.empty()) {
     try {
       mix_groups(session);
+      session.notes.emplace_back(
+          "note: emissive surfaces and the environment behind are drawn as they are, whatever their group");
     } catch (const ParameterError& error) {
       throw UsageError("--group-scale, --group-tint: " + error.cause());
     }
@@ -220,6 +222,7 @@ std::string add_file(ViewSession& session, const std::string& path, const std::o
   }
   note_environment(session, *asset);
   session.assets.push_back(std::move(asset));
+  if (!session.factors.empty()) mix_groups(session);
   if (kind == FileKind::fiv) {
     try {
       session.fiv_tables = find_occluders(session.assets, session.world);

@@ -33,7 +33,7 @@ BakeMemory bake_memory(const Lattice& lattice, const GridBakeParams& params, int
   const bool own = choose_buffers(lattice.vertex_count() * targets, layout, fine_bits) == DepositBuffers::own;
   const double shared = sums * 8 * double(groups + (own ? 2 : 1)) +
                         vertices * (double(function_count(params.basis)) * 12 + 64) * double(1 + groups) +
-                        table_bytes(lattice.frame, lattice.levels());
+                        table_bytes(lattice.frame, lattice.levels()) * double(targets);
   return {shared, own ? sums * (fine_bits != 0 ? 8 : 4) * double(targets) : 0, memory_limit_bytes(params)};
 }
 

@@ -48,7 +48,6 @@ Metadata describe(const Scene& scene, const GridBakeParams& params, const Lattic
   m["basis"] = std::string(name_of(params.basis));
   m["estimator"] = std::string(name_of(params.estimator));
   if (params.groups) {
-    m[light_groups_key] = fmt::format("{}", fmt::join(params.groups->names, " "));
     std::vector<std::string> of_lamp;
     for (std::size_t i = 0; i < scene.lights.size(); ++i)
       of_lamp.push_back(params.groups->names[std::size_t(params.groups->of_light[i])]);
@@ -168,9 +167,11 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
   const int fine = fine_bits(unguided.photon_power());
   // One for each group of lights: what they add up to is what one would have.
   const std::size_t groups = params.groups ? params.groups->names.size() : 1;
-  std::vector<DepositTarget> targets(
-      groups, make_deposit_target(lattice, params.basis, params.estimator, power.strongest_lm, std::move(masks), fine,
-                                  power.heaviest_lm, choose_buffers(vertices * groups, layout, fine)));
+  std::vector<DepositTarget> targets;
+  targets.reserve(groups);
+  targets.push_back(make_deposit_target(lattice, params.basis, params.estimator, power.strongest_lm, std::move(masks),
+                                        fine, power.heaviest_lm, choose_buffers(vertices * groups, layout, fine)));
+  while (targets.size() < groups) targets.push_back(targets.front());
   struct Worker {
     std::vector<PhotonDepositor> depositors;  // [group]
     std::vector<std::vector<PhotonSegment>> of_group;

@@ -83,7 +83,9 @@ GridPlan describe(const ContractState& state) {
   const double one = grid_memory_bytes(lattice, state.params.bake, 1);
   const double all = grid_memory_bytes(lattice, state.params.bake, threads);
   plan.memory_bytes = {one, std::min(all, memory_limit_bytes(state.params.bake)), all};
-  const double a_vertex = 12.0 * function_count(state.params.bake.basis) + 4 + 12 + 16;
+  // Moments and variance of all lights and of each group that is kept apart; visible fraction and guard.
+  const auto groups = state.params.bake.groups ? state.params.bake.groups->names.size() : 0;
+  const double a_vertex = (12.0 * function_count(state.params.bake.basis) + 12) * double(1 + groups) + 4 + 16;
   const double file = a_vertex * state.at_hand.stored_share * double(plan.vertices);
   plan.file_bytes = {0.6 * file, 0.9 * file, 1.2 * file};
   plan.meets = state.chosen.meets;
