@@ -53,6 +53,7 @@ ImageHeader header_of(const OIIO::ImageInput& input) {
   if (spec.alpha_channel < spec.nchannels) header.alpha_channel = spec.alpha_channel;
   for (const OIIO::ParamValue& attribute : spec.extra_attribs) {
     const std::string name = attribute.name().string();
+    // The last branch takes what is left as text, too. NOLINTNEXTLINE(bugprone-branch-clone)
     if (attribute.type() == OIIO::TypeString) {
       header.attributes[name] = attribute.get_string();
     } else if (attribute.type() == OIIO::TypeInt) {

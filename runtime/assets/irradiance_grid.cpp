@@ -53,19 +53,21 @@ GuardRecord ordered(const GuardRecord& record, bool lit) {
   }
   std::sort(words.begin(), words.end());
   if (words.front() != words.back()) return out;
-  if (words.back() < no_guard_plane)
+  if (words.back() < no_guard_plane) {
     words = {0, 0, 0, 1};
-  else
+  } else {
     words.front() = 0;
+}
   return out;
 }
 
 }  // namespace
 
 GpuGrid upload(const IrradianceGrid& grid, const GridUploadParams& params, const std::string& what) {
-  if (params.form == GridForm::norms_and_directions && grid.basis != Basis::vectors)
+  if (params.form == GridForm::norms_and_directions && grid.basis != Basis::vectors) {
     throw ParameterError("form",
                          fmt::format("norms and directions hold the basis vectors only, not {}", name_of(grid.basis)));
+}
   gl::require_context();
   GpuGrid out;
   out.frame = grid.frame;

@@ -102,9 +102,8 @@ void add_chart_command(Command app, CommonOptions& common) {
   command
       .add_option(
           "suite", [arguments](const std::string& suite) { arguments->insert(arguments->begin(), suite); },
-          "quick (minutes), full (under two hours on two cores), or one curve: grid, economy, bases, sh9, fiv, "
-          "cubemap, lobes,\n"
-          "rates, stability (each place where a method fails)")
+          "quick (minutes), full (under two hours on two cores), or one curve: grid, bases, sh9, fiv, cubemap, lobes,\n"
+          "rates, stability (each place where a method fails), economy (beside a sweep of hours, in neither suite)")
       .required()
       .one_of({"quick", "full", "grid", "economy", "bases", "sh9", "fiv", "cubemap", "lobes", "rates", "stability"})
       .type_name("SUITE");

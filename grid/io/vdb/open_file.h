@@ -60,7 +60,7 @@ struct OpenVdbFile {
   typename Grid::Ptr grid(const std::string& grid_name, const GridFrame& frame,
                           const openvdb::math::Transform* transform) {
     if (!file.hasGrid(grid_name)) throw missing("grid " + grid_name);
-    const auto typed = openvdb::gridPtrCast<Grid>(file.readGrid(grid_name));
+    auto typed = openvdb::gridPtrCast<Grid>(file.readGrid(grid_name));
     if (!typed) throw Error(path, "grid " + grid_name + " has another type of value", read_remedy);
     const openvdb::CoordBBox box(openvdb::Coord(0),
                                  openvdb::Coord(frame.size.x, frame.size.y, frame.size.z).offsetBy(-1));

@@ -51,7 +51,8 @@ std::vector<std::vector<float>> fiv_radii(const FivOccluder& occluder, const Cub
     double outside = 0;
     double whole = 0;
     for (std::size_t i = 0; i < shell; ++i) {
-      const double area = std::sin(double(pi) * double(i / pilot_azimuths) / (pilot_polars - 1));
+      const std::size_t polar = i / pilot_azimuths;
+      const double area = std::sin(double(pi) * double(polar) / (pilot_polars - 1));
       whole += area;
       if (is_inside(k - 1, i) || is_inside(k, i) || is_inside(k + 1, i)) continue;
       outside += area;

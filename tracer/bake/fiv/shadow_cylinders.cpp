@@ -27,7 +27,7 @@ ShadowCylinders trace_shadow_cylinders(const Intersector& object, std::span<cons
       // The row's chord of the unit disc.
       const float half_chord = std::sqrt(std::max(0.0F, 1 - v * v));
       const int begin = std::max(0, int((1 - half_chord) / pixel - 0.5F));
-      const int end = std::min(resolution, int((1 + half_chord) / pixel + 0.5F) + 1);
+      const int end = std::min(resolution, int(std::lround((1 + half_chord) / pixel)) + 1);
       const V3f row_origin = frame.z * start_height + frame.y * v;
       for (int first = begin; first < end; first += 8) {
         const int count = std::min(8, end - first);
