@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "grid/cubemap/localized.h"
 #include "grid/env/difmap.h"
@@ -69,6 +70,20 @@ inline IrradianceGrid sample_grid(Basis basis) {
   for (int i = 0; i < 12 * grid.stride(); ++i) grid.moments.push_back(normal(random));
   grid.variance.assign(12, Rgb(1, 2, 3));
   grid.metadata = {{"scene_hash", std::string("00ff")}, {"photons", std::int64_t(1000)}, {"albedo", 0.1}};
+  return grid;
+}
+
+// Half of the light in each of two groups.
+inline IrradianceGrid sample_grid_of_groups() {
+  IrradianceGrid grid = sample_grid(Basis::sh4);
+  for (const char* name : {"sun", "hall"}) {
+    GridGroup group;
+    group.name = name;
+    group.moments = grid.moments;
+    for (float& moment : group.moments) moment /= 2;
+    group.variance.assign(12, Rgb(0.5F, 1, 1.5F));
+    grid.groups.push_back(std::move(group));
+  }
   return grid;
 }
 

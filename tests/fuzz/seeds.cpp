@@ -42,6 +42,7 @@ int main(int argc, char** argv) {
     for (const Basis basis : values_of<Basis>())
       write_vdb(folder + "/" + std::string(name_of(basis)) + ".vdb", fuzz::sample_grid(basis), true);
     write_vdb(folder + "/levels.vdb", fuzz::sample_grid_of_levels(), true);
+    write_vdb(folder + "/groups.vdb", fuzz::sample_grid_of_groups(), true);
     Sh9Asset sh9;
     sh9.sh.coefficients[0] = V3d(1, 2, 3);
     sh9.sh.coefficients[2] = V3d(0.5, 0.25, 0.125);

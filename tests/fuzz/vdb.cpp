@@ -51,8 +51,10 @@ const std::vector<VdbFile>& samples() {
       write_vdb(path, fuzz::sample_grid(basis), true);
       made.push_back(load(path));
     }
-    write_vdb(path, fuzz::sample_grid_of_levels(), true);
-    made.push_back(load(path));
+    for (const IrradianceGrid& grid : {fuzz::sample_grid_of_levels(), fuzz::sample_grid_of_groups()}) {
+      write_vdb(path, grid, true);
+      made.push_back(load(path));
+    }
     // Of the layouts of sums the one of fewest grids, as each costs its time.
     write_vdb(path, fuzz::sample_sums(Basis::sh4, Estimator::track), true);
     made.push_back(load(path));
