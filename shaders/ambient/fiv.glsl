@@ -14,7 +14,7 @@ uniform int ivory_fiv_use_difmap;  // 0: unshadowed light from SH9, 1: from the 
 uniform sampler3D ivory_fiv_atlas;
 uniform sampler2D ivory_fiv_spheres;
 uniform int ivory_fiv_straddling;  // 0 bound, 1 scale
-uniform int ivory_fiv_self = -1;   // index of the occluder that the object is, or -1
+uniform int ivory_fiv_self;        // index of the occluder that the object is, or -1: has no default, set it
 
 layout(std140) uniform IvoryFivTables { IvoryFivTable ivory_fiv_tables[64]; };
 

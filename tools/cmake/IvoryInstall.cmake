@@ -32,6 +32,10 @@ if(IVORY_BUILD_RUNTIME)
     FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ivory COMPONENT runtime)
   install(TARGETS ivory_images LIBRARY DESTINATION ${module_folder} COMPONENT runtime)
   install(DIRECTORY shaders/ DESTINATION ${IVORY_SHADER_FOLDER} COMPONENT runtime)
+  if(TARGET ivory_translations)
+    install(DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/runtime/translations/ DESTINATION ${IVORY_SHADER_FOLDER}/translations
+      COMPONENT runtime PATTERN done EXCLUDE)
+  endif()
   install(EXPORT ivory NAMESPACE ivory:: FILE ivoryTargets.cmake DESTINATION ${package_folder} COMPONENT runtime)
   configure_package_config_file(tools/cmake/ivoryConfig.cmake.in ${config_folder}/ivoryConfig.cmake
     INSTALL_DESTINATION ${package_folder} PATH_VARS IVORY_SHADER_FOLDER)
