@@ -49,9 +49,10 @@ void print_plan(const std::string& output, const BakePlan& plan, const AssetCont
                                   {"file_bytes", prediction_json(plan.file_bytes)},
                                   {"error", prediction_json(plan.error)}}}};
   std::string knobs;
-  for (const auto& [name, value] : plan.knobs.items())
+  for (const auto& [name, value] : plan.knobs.items()) {
     knobs += fmt::format("{}{} {}", knobs.empty() ? "" : ", ", name,
                          value.is_string() ? value.get<std::string>() : value.dump());
+  }
   std::string human = fmt::format("{}: would be baked with {}\n", output, knobs);
   human += fmt::format("time {}, memory {}, file {}\nerror {}", seconds_text(plan.seconds),
                        bytes_text(plan.memory_bytes), bytes_text(plan.file_bytes), share_text(plan.error));

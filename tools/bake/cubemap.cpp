@@ -83,11 +83,12 @@ std::vector<std::string> judge(const BakeCubemapOptions& options, const Capture&
   if (capture.sky_share > 0.999999 && !scene.environment)
     throw Error(options.scene, "has nothing to be seen from " + at, "choose --at within the scene, or give --env");
   const bool backs = capture.back_share > 0.5 * (1 - capture.sky_share);
-  if (backs && dark)
+  if (backs && dark) {
     throw Error(
         options.scene,
         at + " lies inside a wall or outside of the scene: only backs of surfaces and no light are seen from there",
         "choose --at in the open");
+  }
   std::vector<std::string> warnings;
   if (backs) {
     warnings.push_back(

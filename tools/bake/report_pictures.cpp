@@ -195,9 +195,10 @@ ReportPicture vertex_picture(const View& view, const Pixels& pixels, const Irrad
       for (int dx = -1; dx < 2; ++dx) {
         const int px = int(at->x) + dx;
         const int py = int(at->y) + dy;
-        if (px >= 0 && px < view.width && py >= 0 && py < view.height)
+        if (px >= 0 && px < view.width && py >= 0 && py < view.height) {
           display[std::size_t(py) * std::size_t(view.width) + std::size_t(px)] =
               grid.levels() == 1 && lit ? V3f(0.1F, 0.35F, 0.8F) : color;
+        }
       }
     }
   }

@@ -75,9 +75,10 @@ LookupBench bench_lookup(const IrradianceGrid& grid, const Intersector& intersec
   bench.rays_ns = look_up(Guard::rays);
   const float voxel_m = grid.finest_frame().spacing_m.x;
   bench.occlusion_ray_ns = median_ns(rounds, points.size(), [&] {
-    for (std::size_t i = 0; i < points.size(); ++i)
+    for (std::size_t i = 0; i < points.size(); ++i) {
       results[i].x = intersector.transmittance(
           {.origin = offset_origin(points[i].p, points[i].n, points[i].n), .direction = points[i].n, .t_max = voxel_m});
+    }
   });
   return bench;
 }

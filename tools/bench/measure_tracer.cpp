@@ -148,6 +148,7 @@ TracerBench bench_tracer(const LitScene& lit, const TracerBenchParams& params) {
                                     {"track, exact", Estimator::track, TrackWalk::exact},
                                     {"face", Estimator::face, TrackWalk::sampled}};
   std::vector<DepositTarget> targets;
+  targets.reserve(methods.size());
   for (const Method& method : methods) {
     targets.push_back(
         make_deposit_target(frame, Basis::vectors, method.estimator, power.strongest_lm, masks, fine_bits(power)));
@@ -163,9 +164,10 @@ TracerBench bench_tracer(const LitScene& lit, const TracerBenchParams& params) {
   std::int64_t traced = 0;
   for (int round = 0; round < params.rounds; ++round) {
     const double embree_s = replay(lit.intersector, rays, threads);
-    for (std::size_t m = 0; m < methods.size(); ++m)
+    for (std::size_t m = 0; m < methods.size(); ++m) {
       method_time[m].push_back(
           trace_and_deposit(tracer, 0, params.photons, &targets[m], methods[m].walk, threads, traced));
+    }
     bare_time.push_back(trace_and_deposit(tracer, 0, params.photons, nullptr, TrackWalk::sampled, threads, traced));
     bake_rate.push_back(double(traced) / method_time[0].back());
     embree_rate.push_back(double(rays.size()) / embree_s);

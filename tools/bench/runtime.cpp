@@ -262,9 +262,10 @@ void run(const BenchRuntimeOptions& options, const CommonOptions& common) {
   methods.push_back({"grid, tricubic, guard planes", grid_read(Interpolation::tricubic, Guard::planes)});
   methods.push_back({"cube map, M = 4", ambient(cube)});
   methods.push_back({fmt::format("lobes, depth 4, {} spheres", assets.spheres.spheres.size()), ambient(lobes, false)});
-  for (const int count : {1, 10, 20, 40, 60})
+  for (const int count : {1, 10, 20, 40, 60}) {
     methods.push_back({fmt::format("FIV, {} occluder{}", count, count == 1 ? "" : "s"), ambient(fiv, difmap), count,
                        &fiv, std::span(crowd).first(std::size_t(count))});
+  }
   measure(stage, methods, options.rounds, progress);
   const int pixels = stage.pixels_shaded();
 

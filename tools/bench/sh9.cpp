@@ -56,9 +56,10 @@ V3d sum_pixels(const std::vector<Rgb>& pixels) {
 void run_bench_sh9(const BenchSh9Options& options, const CommonOptions& common) {
   EnvironmentMap map{options.size.x, options.size.y, {}};
   map.radiance.reserve(std::size_t(map.width) * std::size_t(map.height));
-  for (int row = 0; row < map.height; ++row)
+  for (int row = 0; row < map.height; ++row) {
     for (int column = 0; column < map.width; ++column)
       map.radiance.emplace_back(float(1 + row % 17), float(1 + column % 13), float(1 + (row ^ column) % 11));
+  }
   const EnvironmentImage image{EnvironmentLayout::latlong, std::move(map)};
   const auto& pixels = std::get<EnvironmentMap>(image.map).radiance;
 

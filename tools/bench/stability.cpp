@@ -75,9 +75,10 @@ void run(const BenchStabilityOptions& options, const CommonOptions& common) {
     }
   }
   print_result(common, {{"points", all}}, text);
-  if (!broken.empty())
+  if (!broken.empty()) {
     throw Error("stability of " + broken, "errors beyond their bounds",
                 "compare with an unchanged build; where that breaks too, the bounds are wrong");
+  }
 }
 
 }  // namespace

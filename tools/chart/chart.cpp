@@ -43,6 +43,7 @@ std::string source_folder() {
 // Runs a command with its output thrown away; is it there, and does it end well?
 bool succeeds(const std::vector<std::string>& words) {
   std::vector<char*> argv;
+  argv.reserve(words.size());
   for (const std::string& word : words) argv.push_back(const_cast<char*>(word.c_str()));
   argv.push_back(nullptr);
   const pid_t child = ::fork();
@@ -81,6 +82,7 @@ void run_chart(const std::vector<std::string>& arguments, const CommonOptions& c
   if (common.quiet) words.push_back("--quiet");
   if (common.json) words.push_back("--json");
   std::vector<char*> argv;
+  argv.reserve(words.size());
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   ::execvp(argv[0], argv.data());  // comes back only where it fails

@@ -16,7 +16,7 @@ Imath::Box3d parse_box(std::string_view option, std::string_view text, std::stri
 }
 
 Imath::Box3d parse_bounds(std::string_view option, std::string_view text) {
-  const Imath::Box3d box = parse_box(option, text, "a box X0,Y0,Z0:X1,Y1,Z1");
+  Imath::Box3d box = parse_box(option, text, "a box X0,Y0,Z0:X1,Y1,Z1");
   const V3d size = box.size();
   constexpr double longest_m = 1e9;
   if (!(size.x > 0) || !(size.y > 0) || !(size.z > 0) || !(size.length() < longest_m)) {

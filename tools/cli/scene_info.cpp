@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <variant>
 
+#include <nlohmann/json.hpp>
+
 #include "tools/input/hints.h"
 #include "tracer/core/camera.h"
 #include "tracer/lights/punctual.h"

@@ -23,9 +23,10 @@ Option add_lookup_options(Command command, LookupParams& params, const std::stri
 void check_lookup(const std::string& path, Basis basis, bool has_guard, const LookupParams& params) {
   if (params.guard == Guard::planes && !has_guard)
     throw Error(path, "stores no guard planes", "bake it with --guard planes, or read it with --guard rays or off");
-  if (!reads(params.reconstruction, basis))
+  if (!reads(params.reconstruction, basis)) {
     throw UsageError(fmt::format("--reconstruction {}: it reads a grid of basis vectors only, {} has {}",
                                  name_of(params.reconstruction), path, name_of(basis)));
+  }
 }
 
 std::shared_ptr<GridInputOptions> add_grid_options(Command command, const std::string& purpose) {
@@ -78,14 +79,16 @@ void describe(const LookupTally& tally, Metadata& metadata) {
 std::vector<std::string> doubts_about(const LookupTally& tally, const GridInputOptions& options) {
   constexpr double worth_a_word = 1e-3;
   std::vector<std::string> doubts;
-  if (const double share = share_of(tally.unseen(), tally); share > worth_a_word)
+  if (const double share = share_of(tally.unseen(), tally); share > worth_a_word) {
     doubts.push_back(
         fmt::format("{}: no vertex sees the place of {:.2g} % of the look-ups, and they read 0: bake with a finer "
                     "--voxel-size or wider --bounds",
                     options.grid, 100 * share));
-  if (const double share = share_of(tally.outside(), tally); share > worth_a_word)
+  }
+  if (const double share = share_of(tally.outside(), tally); share > worth_a_word) {
     doubts.push_back(fmt::format("{}: {:.2g} % of the look-ups lie outside the grid and read its nearest vertices",
                                  options.grid, 100 * share));
+  }
   return doubts;
 }
 

@@ -140,12 +140,13 @@ class Clues {
     double strongest_cd = 0;
     bool others = scene.environment.has_value() || !scene.sphere_lights.empty();
     for (const PunctualLight& light : scene.lights) {
-      if (const auto* point = std::get_if<PointLight>(&light))
+      if (const auto* point = std::get_if<PointLight>(&light)) {
         strongest_cd = std::max(strongest_cd, double(max_component(point->intensity_cd)));
-      else if (const auto* spot = std::get_if<SpotLight>(&light))
+      } else if (const auto* spot = std::get_if<SpotLight>(&light)) {
         strongest_cd = std::max(strongest_cd, double(max_component(spot->intensity_cd)));
-      else
+      } else {
         others = true;
+      }
     }
     for (const Material& material : scene.materials) others = others || !is_black(material.emission);
     const double reach =

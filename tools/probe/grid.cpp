@@ -73,10 +73,11 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
     const V3f& n = table.n[i];
     const Footprint footprint = lookup_footprint(grid, intersector, points[i], n, params);
     out.e[i] = irradiance(grid, footprint, n, params.reconstruction);
-    if (footprint.count == 0)
+    if (footprint.count == 0) {
       ++unseen;
-    else if (is_black(irradiance_standard_error(grid, footprint)))
+    } else if (is_black(irradiance_standard_error(grid, footprint))) {
       ++unmet;
+    }
     out.standard_error[i] = irradiance_standard_error(grid, footprint, unmet_lux.value_or(0));
     if (is_black(out.standard_error[i])) out.standard_error[i] = Rgb(unknown, unknown, unknown);
   });

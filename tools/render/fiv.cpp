@@ -76,11 +76,12 @@ Film render(const FivOptions& options, const RenderRequest& request) {
     }
     const std::vector<bool> part = instances_below(scene, node);
     std::optional<FivPlacement> placement = find_placement(tables[path].table, scene, part);
-    if (!placement)
+    if (!placement) {
       throw Error(path,
                   fmt::format("does not belong to node '{}': it was baked from another mesh, or the node is turned",
                               scene.nodes[std::size_t(node)].name),
                   "bake the node's own mesh, turned as it stands; moving and even scaling need no new table");
+    }
     for (std::size_t i = 0; i < part.size(); ++i) {
       if (part[i]) fiv.occluder_of[i] = int(fiv.occluders.size());
     }

@@ -39,9 +39,10 @@ RenderMethod make_method(const std::shared_ptr<GatherOptions>& options, bool gat
   method.options = grid_option_names();
   if (gather) method.options.push_back("--gather");
   method.check = [options, gather] {
-    if (options->grid->grid.empty())
+    if (options->grid->grid.empty()) {
       throw UsageError(
           fmt::format("--method {} needs --grid GRID.vdb (see ivory bake grid)", gather ? "gather" : "direct"));
+    }
     if (gather && *options->gather < 1) throw UsageError("--gather: --method gather needs a ray at least");
   };
   method.render = [options, gather](const RenderRequest& request) { return render_grid(*options, gather, request); };

@@ -35,9 +35,10 @@ std::vector<Sphere> load_placed(const std::string& text, const V3d& anchor_m) {
 
 Film render(const LobeOptions& options, const RenderRequest& request) {
   const Scene& scene = *request.input.lit.scene;
-  if (scene.sphere_lights.empty())
+  if (scene.sphere_lights.empty()) {
     throw Error(scene.name, "has no spherical light, the only kind that --method lobes lights by",
                 "give --sphere-light X,Y,Z,RADIUS,R,G,B, or extras.ivory_sphere_light in the scene");
+  }
   LobeScene lobes;
   lobes.table = options.table.empty() ? make_lobe_table() : read_lobes(options.table).table;
   lobes.lights = scene.sphere_lights;
@@ -48,9 +49,10 @@ Film render(const LobeOptions& options, const RenderRequest& request) {
   }
   for (const SphereLight& light : scene.sphere_lights) occluders.push_back({light.center, light.radius_m});
   lobes.occluders = make_sphere_groups(std::move(occluders));
-  if (!scene.lights.empty() || scene.environment)
+  if (!scene.lights.empty() || scene.environment) {
     print_note(request.common,
                "note: --method lobes leaves out point, spot and directional lights and the environment");
+  }
   return render_lobes(lobes, request.input.lit, request.view, request.params, options.params);
 }
 

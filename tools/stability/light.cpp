@@ -184,10 +184,12 @@ std::vector<StabilityPoint> nearly_closed(const StabilityParams& params) {
   const V3f n(0, 1, 0);
   std::vector<ProbePoint> floor;
   constexpr int side = 6;
-  for (int i = 0; i < side * side; ++i)
+  floor.reserve(side * side);
+  for (int i = 0; i < side * side; ++i) {
     floor.push_back(
         {V3f(1.6F * ((float(i % side) + 0.44F) / side - 0.5F), -1, 1.6F * ((float(i) / side + 0.37F) / side - 0.5F)),
          n});
+  }
 
   std::vector<StabilityPoint> points;
   for (const double hole : {1.0, 0.5, 0.2, 0.1, 0.05, 0.02}) {
@@ -279,9 +281,10 @@ std::vector<StabilityPoint> albedo_to_one(const StabilityParams& params) {
       points.push_back({bounces == 1000 ? "grid, 1000 bounces" : "grid, 20,000 bounces", 1 - albedo,
                         std::abs(mean / (indirect * (1 - std::pow(double(rho), bounces))) - 1),
                         4 / std::sqrt(double(bake.photons)) + 0.02});
-      if (bounces == 1000)
+      if (bounces == 1000) {
         points.push_back(
             {"grid, 1000 bounces (default) of endless ones", 1 - albedo, std::abs(mean / indirect - 1), {}});
+      }
     }
     double squares = 0;
     const int samples = params.quick ? 64 : 512;

@@ -19,6 +19,7 @@ double now_s() { return std::chrono::duration<double>(std::chrono::steady_clock:
 
 std::vector<FivPlacement> placements(const FivTable& table, const std::vector<V3f>& copies) {
   std::vector<FivPlacement> out;
+  out.reserve(copies.size());
   for (const V3f& copy : copies) out.push_back({&table, copy, 1});
   return out;
 }
@@ -71,6 +72,7 @@ FivReference reference_by_rays(const FivOccluder& occluder, const CubeMap& envir
   const std::vector<double> all_hidden(receivers.size(), 1.0);
   for (const V3f& copy : copies) {
     std::vector<V3f> moved;
+    moved.reserve(receivers.size());
     for (const V3f& p : receivers) moved.push_back(p - copy);
     const std::vector<char> inside = find_inside(object, moved, all_hidden);
     for (std::size_t i = 0; i < inside.size(); ++i) out.open[i] = out.open[i] && inside[i] == 0;

@@ -239,6 +239,7 @@ std::vector<StabilityPoint> sloping_ground(const StabilityParams& params) {
     sky.environment = uniform_environment(Rgb(1, 1, 1));
     const LitScene under_sky = make_lit_scene(std::move(sky));
     std::vector<ProbePoint> probes;
+    probes.reserve(64);
     for (int i = 0; i < 64; ++i)
       probes.push_back({V3f(0.5F * std::sin(float(i) * 1.3F), 0, 0.5F * std::sin(float(i) * 2.1F)) * slope, up});
     ProbeParams probe;

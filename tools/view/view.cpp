@@ -61,10 +61,11 @@ void run_view(const ViewCommand& command, const CommonOptions& common) {
   const ViewRun run = finished(command);
   if (command.headless && run.outputs.empty()) throw UsageError("--headless needs -o IMAGE");
   check_outputs(command, common);
-  if (command.headless)
+  if (command.headless) {
     run_headless(run, common);
-  else
+  } else {
     run_window(run, common);
+  }
 }
 
 void add_content_options(Command app, ViewCommand& command) {

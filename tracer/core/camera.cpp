@@ -17,9 +17,10 @@ View make_view(const std::string& file, const Camera& camera, int width, int hei
   const V3f z(m[2][0], m[2][1], m[2][2]);
   const float half_height = camera.perspective ? std::tan(0.5F * camera.yfov_rad) : camera.ymag_m;
   const float volume = x.cross(y).dot(z);
-  if (!std::isfinite(volume) || volume == 0 || !std::isfinite(half_height) || half_height <= 0)
+  if (!std::isfinite(volume) || volume == 0 || !std::isfinite(half_height) || half_height <= 0) {
     throw Error(file, "camera '" + camera.name + "' has a singular transform or an impossible field of view",
                 "choose another camera");
+  }
   View view;
   view.origin = V3f(m[3][0], m[3][1], m[3][2]);
   view.right = x.normalized() * (half_height * float(width) / float(height));

@@ -68,9 +68,10 @@ V4f sample(const Scene& scene, const TextureUse& use, const V2f& uv, bool srgb) 
   const V2f at = uv_texels(Imath::V2i(image.width, image.height), uv);
   const float x = at.x;
   const float y = at.y;
-  if (texture.nearest)
+  if (texture.nearest) {
     return decoded(image, wrap_index(int(std::floor(x)), image.width, texture.wrap_s),
                    wrap_index(int(std::floor(y)), image.height, texture.wrap_t), table);
+  }
 
   const float left = std::floor(x - 0.5F);
   const float top = std::floor(y - 0.5F);

@@ -86,10 +86,11 @@ DracoMesh::DracoMesh(const Document& document, const nlohmann::json& extension, 
   const std::uint64_t plausible = 2048 * std::uint64_t(bytes.size()) + 65536;
   const auto claimed = read_claimed_size(bytes);
   if (!claimed) document.fail(what + " has a Draco stream that is damaged or older than version 2.2", without_draco);
-  if (claimed->vertices > plausible || claimed->faces > plausible)
+  if (claimed->vertices > plausible || claimed->faces > plausible) {
     document.fail(fmt::format("{} has a Draco stream of {} bytes that claims {} vertices and {} triangles", what,
                               bytes.size(), claimed->vertices, claimed->faces),
                   without_draco);
+  }
 
   draco::DecoderBuffer buffer;
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
@@ -97,10 +98,11 @@ DracoMesh::DracoMesh(const Document& document, const nlohmann::json& extension, 
   try {
     draco::Decoder decoder;
     auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
-    if (decoded.ok())
+    if (decoded.ok()) {
       state_->mesh = std::move(decoded).value();
-    else
+    } else {
       cause = decoded.status().error_msg_string();
+    }
   } catch (const std::exception& error) {
     cause = error.what();
   }
@@ -134,10 +136,11 @@ bool DracoMesh::has(const std::string& attribute) const { return state_->attribu
 std::vector<float> DracoMesh::floats(const Document& document, const std::string& name, int components) const {
   const draco::PointAttribute& attribute = *state_->attributes.at(name);
   const tinygltf::Accessor& accessor = document.model.accessors[std::size_t(state_->accessors.at(name))];
-  if (attribute.num_components() != components)
+  if (attribute.num_components() != components) {
     document.fail(fmt::format("{} has {} with {} components in its Draco data instead of {}", state_->what, name,
                               int(attribute.num_components()), components),
                   without_draco);
+  }
   // glTF's accessor says how integers are meant; Draco's own flag may be missing.
   float divisor = 1;
   if (accessor.normalized && !attribute.normalized()) {

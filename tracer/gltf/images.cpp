@@ -143,7 +143,7 @@ void expand_to_rgba(std::vector<std::uint8_t>& pixels, std::size_t count, int ch
 std::string decode_image(std::span<const std::uint8_t> bytes, Image& image) {
   const char* extension = file_extension(bytes);
   if (extension == nullptr) return "is neither PNG nor JPEG nor WebP";
-  const std::string refused = refusal(claimed_size(bytes), bytes.size());
+  std::string refused = refusal(claimed_size(bytes), bytes.size());
   if (!refused.empty()) return refused;
   if (extension == std::string_view("png") && !png_is_sound(bytes)) return "is cut off or damaged";
   if (extension == std::string_view("jpg") && !jpeg_is_complete(bytes)) return "is cut off";

@@ -126,14 +126,16 @@ std::vector<Material> make_materials(Document& document) {
   materials.reserve(document.model.materials.size() + 1);
   for (std::size_t i = 0; i < document.model.materials.size(); ++i) materials.push_back(make_material(document, i));
   const auto glass = std::find_if(materials.begin(), materials.end(), transmits);
-  if (glass != materials.end())
+  if (glass != materials.end()) {
     document.warn(
         fmt::format("{}: glass (KHR_materials_transmission) lets light straight through, without refraction "
                     "and tint",
                     label("materials", std::size_t(glass - materials.begin()), glass->name)));
-  for (std::size_t i = 0; i < materials.size(); ++i)
+  }
+  for (std::size_t i = 0; i < materials.size(); ++i) {
     if (materials[i].transmission > 0 && !is_black(materials[i].emission))
       document.warn(label("materials", i, materials[i].name) + " emits and transmits light; it is taken as opaque");
+  }
   materials.emplace_back().name = "default";
   return materials;
 }

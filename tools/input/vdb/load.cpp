@@ -18,9 +18,10 @@ auto read_safely(const std::string& path, const Read& read) {
   // Room for every byte of the file to unpack into 256.
   const std::uint64_t memory_bytes = (std::filesystem::file_size(path) + (1U << 20U)) * 256;
   const TrialOutcome trial = run_trial(memory_bytes, [&] { return resave_vdb(path); });
-  if (trial.kind == TrialOutcome::Kind::not_started)
+  if (trial.kind == TrialOutcome::Kind::not_started) {
     throw Error(path, "bears no checksum of ivory and cannot be tried in a process of its own",
                 "allow more processes, memory and files to open (ulimit -u, -v, -n)");
+  }
   if (trial.kind == TrialOutcome::Kind::crashed)
     throw Error(path, "is damaged", "save it again from the program that wrote it");
   if (trial.kind == TrialOutcome::Kind::threw)

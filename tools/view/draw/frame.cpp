@@ -44,9 +44,10 @@ void require_inputs(const ViewSession& session, const ViewTarget& target) {
     throw ParameterError("debug", fmt::format("{}: {}", name_of(view), lack));
   if (view != DebugView::difference) return;
   const Film& film = session.reference->film;
-  if (film.width != target.width() || film.height != target.height())
+  if (film.width != target.width() || film.height != target.height()) {
     throw ParameterError("debug", fmt::format("difference: the reference is {} x {}, the picture {} x {}", film.width,
                                               film.height, target.width(), target.height()));
+  }
 }
 
 // The value that nearly all of the picture stays under, so that a few outliers do not make the rest dark.
@@ -96,11 +97,12 @@ void ViewFrame::update_shadows(ViewSession& session) {
   // Said again where it changes, not in every frame of what moves.
   if (const int without = shadows_.unshadowed(); without != unshadowed_) {
     unshadowed_ = without;
-    if (without > 0)
+    if (without > 0) {
       session.notes.push_back(
           fmt::format("note: {} of the {} lights cast no shadow: shadow maps have {} layers, of "
                       "which a point light takes six",
                       without, session.direct.size(), max_shadow_layers));
+    }
   }
   shadows_of_ = std::move(places);
   shadow_size_ = session.settings.shadow_size;
@@ -124,9 +126,10 @@ void ViewFrame::draw_point(ViewSession& session, ViewTarget& target, const V2f& 
     const ViewObject& object = session.world.objects[i];
     const GpuModel& model = object.model;
     const V3f at = place(object, session.world.time_s);
-    for (const ModelPart& part : model.parts)
+    for (const ModelPart& part : model.parts) {
       items.push_back(
           {&model.meshes[part.mesh], &model.materials[part.material], moved(part.to_world, at), &sources[i]});
+    }
   }
   FrameParams frame;
   frame.camera = runtime_camera(session, target, shift);
@@ -155,10 +158,11 @@ ColorRange ViewFrame::color_range(const ViewSession& session, const ViewTarget& 
     range.greatest = *settings.range;
   } else if (settings.debug != DebugView::kept && settings.debug != DebugView::bracket) {
     const Film mean = target.read_mean();
-    if (settings.debug == DebugView::difference && session.reference->is_display)
+    if (settings.debug == DebugView::difference && session.reference->is_display) {
       range.greatest = 0.1F;
-    else
+    } else {
       range.greatest = greatest_value(settings.debug == DebugView::difference ? difference(session, mean) : mean);
+    }
   }
   range.least = range.is_signed ? -range.greatest : 0;
   return range;
@@ -170,10 +174,11 @@ void ViewFrame::draw_display(const ViewSession& session, ViewTarget& target) {
   if (is_false_color(settings)) {
     const ColorRange range = color_range(session, target);
     target.begin_display();
-    if (settings.debug == DebugView::difference)
+    if (settings.debug == DebugView::difference) {
       display_.draw_difference(target.mean(), session.reference->texture, session.reference->is_display, tone, range);
-    else
+    } else {
       display_.draw_false_color(target.mean(), range);
+    }
     return;
   }
   // E on a white surface leaves as E / pi.

@@ -41,10 +41,11 @@ std::vector<std::string> group_names(const ViewSession& session) {
 void mix_groups(ViewSession& session) {
   const std::vector<std::string> names = group_names(session);
   for (const auto& factor : session.factors) {
-    if (std::ranges::find(names, factor.first) == names.end())
+    if (std::ranges::find(names, factor.first) == names.end()) {
       throw ParameterError(
           "groups", fmt::format("no grid has a group '{}'; there {} {}", factor.first, names.size() == 1 ? "is" : "are",
                                 names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
+    }
   }
   std::vector<RuntimeLight> lamps = runtime_lights(session.world.scene());
   bool dimmed = false;

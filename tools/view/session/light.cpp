@@ -53,10 +53,11 @@ V3f place_of_spheres(const ViewSession& session, const SphereSetAsset& spheres) 
 void place_lobes(ViewSession& session) {
   std::vector<std::pair<const ViewAsset*, V3f>> places;
   for (const auto& asset : session.assets) {
-    if (const auto* spheres = std::get_if<SphereSetAsset>(&asset->data))
+    if (const auto* spheres = std::get_if<SphereSetAsset>(&asset->data)) {
       places.emplace_back(asset.get(), place_of_spheres(session, *spheres));
-    else if (std::holds_alternative<GpuLobes>(asset->data))
+    } else if (std::holds_alternative<GpuLobes>(asset->data)) {
       places.emplace_back(asset.get(), V3f(0, 0, 0));
+    }
   }
   if (places == session.lobes_placed) return;
   std::vector<RuntimeSphereLight> lights;
@@ -83,9 +84,10 @@ std::string lacks(const ViewSession& session, ViewMethod method) {
   const ViewAsset* asset = asset_for(session, method);
   if (asset == nullptr) return fmt::format("no asset that method {} reads was given", name_of(method));
   if (const auto* grid = std::get_if<GridAsset>(&asset->data);
-      grid != nullptr && !reads(session.settings.lookup.reconstruction, grid->gpu.basis))
+      grid != nullptr && !reads(session.settings.lookup.reconstruction, grid->gpu.basis)) {
     return fmt::format("--reconstruction paper needs a grid of basis vectors, {} has {}", asset->path,
                        name_of(grid->gpu.basis));
+  }
   if (method == ViewMethod::fiv && !session.fiv_tables) return "no FIV table was given";
   return "";
 }

@@ -197,9 +197,10 @@ void draw_camera(const ViewSession& session, GuiRequest& request) {
 
 void draw_assets(const ViewSession& session, const GuiState& state) {
   if (ImGui::CollapsingHeader("Assets")) {
-    for (const auto& asset : session.assets)
+    for (const auto& asset : session.assets) {
       ImGui::Text("%s: %s, %s", asset->label().c_str(), std::string(name_of(asset->kind())).c_str(),
                   format_bytes(asset->bytes()).c_str());
+    }
     if (!session.environment.empty()) ImGui::Text("environment %s", session.environment.c_str());
     ImGui::TextDisabled("Drop files here: models, assets, images");
   }

@@ -45,10 +45,11 @@ void Viewer::on(const DropEvent& e) {
 void Viewer::on(const KeyEvent& e) {
   if (const std::optional<FlyKey> key = fly_key(e.key); key && (!e.control || !e.down)) {
     fast_ = e.shift;
-    if (!e.down)
+    if (!e.down) {
       controls_.release(*key);
-    else if (!ImGui::GetIO().WantTextInput)
+    } else if (!ImGui::GetIO().WantTextInput) {
       dirty_ = controls_.press(session_->world, *key) || dirty_;
+    }
     return;
   }
   if (!e.down || ImGui::GetIO().WantTextInput) return;
@@ -62,10 +63,11 @@ void Viewer::press(const KeyEvent& e) {
       window_.close();
       return;
     case GLFW_KEY_P:
-      if (e.control)
+      if (e.control) {
         screenshot_with_panel_ = true;
-      else
+      } else {
         attempt([&] { screenshot(e.shift ? ".exr" : ".png"); });
+      }
       return;
     case GLFW_KEY_H:
       state_.shown = !state_.shown;

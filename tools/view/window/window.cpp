@@ -103,10 +103,11 @@ V2f Window::to_pixel(double x, double y) const {
 }
 
 std::vector<WindowEvent> Window::take_events(double seconds) {
-  if (seconds > 0)
+  if (seconds > 0) {
     glfwWaitEventsTimeout(seconds);
-  else
+  } else {
     glfwPollEvents();
+  }
   return std::exchange(events_, {});
 }
 
@@ -143,9 +144,10 @@ DisplayImage Window::read() const {
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
   glReadPixels(0, 0, pixels.x, pixels.y, GL_RGB, GL_UNSIGNED_BYTE, upward.data());
   DisplayImage image{pixels.x, pixels.y, {}};
-  for (std::size_t y = std::size_t(pixels.y); y-- > 0;)
+  for (std::size_t y = std::size_t(pixels.y); y-- > 0;) {
     image.rgb.insert(image.rgb.end(), upward.begin() + std::ptrdiff_t(y * row),
                      upward.begin() + std::ptrdiff_t((y + 1) * row));
+  }
   return image;
 }
 

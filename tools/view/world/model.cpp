@@ -133,9 +133,10 @@ void note_left_out(const Scene& scene, const std::set<int>& materials, std::vect
   }
   if (specular) notes.push_back(fmt::format("{}: textures of KHR_materials_specular are left out", scene.name));
   if (uv_sets) notes.push_back(fmt::format("{}: textures of a third set of coordinates are left out", scene.name));
-  if (emits)
+  if (emits) {
     notes.push_back(
         fmt::format("{}: emissive surfaces light nothing by themselves; a grid holds their light", scene.name));
+  }
 }
 
 }  // namespace
@@ -225,6 +226,7 @@ std::vector<RuntimeLight> strongest(const std::vector<RuntimeLight>& lights, std
   order.resize(count);
   std::sort(order.begin(), order.end());
   std::vector<RuntimeLight> kept;
+  kept.reserve(order.size());
   for (const std::size_t i : order) kept.push_back(lights[i]);
   return kept;
 }

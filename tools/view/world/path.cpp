@@ -42,9 +42,10 @@ std::vector<Keyframe> read_keys(const std::string& file) {
       return csv_number(file, line, cells[i], column, remedy);
     };
     keys.push_back({number(0, "t"), V3f(V3d(number(1, "x"), number(2, "y"), number(3, "z")))});
-    if (keys.back().time_s < 0 || (keys.size() > 1 && keys.back().time_s <= keys[keys.size() - 2].time_s))
+    if (keys.back().time_s < 0 || (keys.size() > 1 && keys.back().time_s <= keys[keys.size() - 2].time_s)) {
       throw Error(file, fmt::format("the time of line {} is not later than the one before", line.number),
                   "put keyframes in order, from 0 s");
+    }
     if (keys.size() > max_keys) throw Error(file, "has more than 100000 keyframes", "leave out some");
   }
   if (keys.empty() || keys.back().time_s == 0) throw Error(file, "holds no keyframe after 0 s", remedy);

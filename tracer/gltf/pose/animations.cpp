@@ -58,10 +58,11 @@ Sampler read_sampler(const Document& document, const json& source, const std::st
   sampler.values = read_floats(document, output, components, what + " output");
   sampler.components = std::size_t(components) * values_a_key;
   const std::size_t wanted = sampler.times.size() * sampler.per_key() * sampler.components;
-  if (sampler.values.size() != wanted)
+  if (sampler.values.size() != wanted) {
     document.fail(fmt::format("{} has {} numbers for {} keys instead of {}", what, sampler.values.size(),
                               sampler.times.size(), wanted),
                   remedy);
+  }
   return sampler;
 }
 
@@ -175,28 +176,32 @@ class Animator {
         apply(channel, target["node"].get<std::size_t>(), path, what);
       }
     }
-    if (any_ && !within_)
+    if (any_ && !within_) {
       document_.warn(fmt::format("{} runs from {} s to {} s; at {} s its {} pose is taken", what_, begin_s_, end_s_,
                                  time_s_, time_s_ < begin_s_ ? "first" : "last"));
+    }
     if (!any_) document_.warn(what_ + " animates nothing that ivory reads; the stored pose is taken");
   }
 
  private:
   void apply(const json& channel, std::size_t index, const std::string& path, const std::string& what) {
     tinygltf::Node& node = document_.model.nodes[index];
-    if (!done_.insert({index, path}).second)
+    if (!done_.insert({index, path}).second) {
       document_.fail(fmt::format("{} animates the {} of {} a second time", what, path, node_label(document_, index)),
                      remedy);
+    }
     const bool is_weights = path == "weights";
-    if (!is_weights && !node.matrix.empty())
+    if (!is_weights && !node.matrix.empty()) {
       document_.fail(
           fmt::format("{} animates the {} of {}, which has a matrix", what, path, node_label(document_, index)),
           remedy);
+    }
     const std::size_t morphs = is_weights ? morph_count(document_, index) : 1;
-    if (morphs == 0)
+    if (morphs == 0) {
       document_.fail(
           fmt::format("{} animates the weights of {}, which has no morph targets", what, node_label(document_, index)),
           remedy);
+    }
     const bool is_rotation = path == "rotation";
     const Sampler sampler = read_sampler(document_, source_["samplers"][channel["sampler"].get<std::size_t>()], what,
                                          is_weights    ? 1

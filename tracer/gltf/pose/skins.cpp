@@ -34,10 +34,11 @@ Influences read_influences(const Document& document, const Attributes& attribute
     document.fail(fmt::format("{} has {} but no {}", attributes.what, joints, weights), remedy);
   const auto check = [&](const std::string& name, bool good) {
     const tinygltf::Accessor& accessor = attributes.accessor(name);
-    if (!good)
+    if (!good) {
       document.fail(fmt::format("{} has {} in component type {}{}", attributes.what, name, accessor.componentType,
                                 accessor.normalized ? " (normalized)" : ""),
                     remedy);
+    }
   };
   const auto is_small = [](int type) {
     return type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE || type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT;
@@ -62,14 +63,16 @@ M44d blend(const Document& document, const Attributes& attributes, const Skin& s
   double total = 0;
   bool negative = false;
   const auto add = [&](float joint_number, double weight) {
-    if (!(joint_number >= 0 && joint_number < float(skin.from_mesh.size())))
+    if (!(joint_number >= 0 && joint_number < float(skin.from_mesh.size()))) {
       document.fail(fmt::format("{} has vertex {} on joint {} of {}, which has {}", attributes.what, vertex,
                                 joint_number, skin.what, skin.from_mesh.size()),
                     remedy);
+    }
     const auto joint = std::size_t(joint_number);
-    if (skin.has_inverse[joint] == 0)
+    if (skin.has_inverse[joint] == 0) {
       document.fail(fmt::format("{} has inverse bind matrix {}, which has no inverse itself", skin.what, joint),
                     remedy);
+    }
     for (int i = 0; i < 4; ++i)
       for (int k = 0; k < 3; ++k) sum[i][k] += weight * skin.from_mesh[joint][i][k];
     total += weight;
@@ -159,15 +162,18 @@ void apply_skin(Document& document, const Attributes& attributes, const Skin& sk
       mesh.tangents[v] = V4f(turned.x, turned.y, turned.z, t.w);
     }
   }
-  if (tally.negative > 0)
+  if (tally.negative > 0) {
     document.warn(
         fmt::format("{} has {} vertices with skin weights below 0, which count as 0", attributes.what, tally.negative));
-  if (tally.scaled > 0)
+  }
+  if (tally.scaled > 0) {
     document.warn(fmt::format("{} has {} vertices whose skin weights do not sum to 1; they are scaled to it",
                               attributes.what, tally.scaled));
-  if (tally.unbound > 0)
+  }
+  if (tally.unbound > 0) {
     document.warn(fmt::format("{} has {} vertices without skin weights, which follow their first joint",
                               attributes.what, tally.unbound));
+  }
 }
 
 }  // namespace ivory::gltf
