@@ -47,6 +47,7 @@ void mix_groups(ViewSession& session) {
                                 names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
   }
   std::vector<RuntimeLight> lamps = runtime_lights(session.world.scene());
+  ++session.lights_version;
   bool dimmed = false;
   for (const auto& asset : session.assets) {
     const IrradianceGrid* grid = grouped_grid(*asset);
