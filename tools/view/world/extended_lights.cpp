@@ -24,32 +24,49 @@ Key key_of(const ExtendedPoint& p, float radius_m) {
 
 using Points = std::span<ExtendedPoint>;
 
-// Where to cut: the axis along which they reach farthest, at half of the light.
-std::size_t split(Points points, float radius_m) {
+// The axis along which points reach farthest, and between what.
+struct Reach {
+  std::size_t axis = 0;
+  float low = 0;
+  float high = 0;
+};
+Reach reach_of(Points points, float radius_m) {
   Key low;
   Key high;
   low.fill(INFINITY);
   high.fill(-INFINITY);
-  float total = 0;
   for (const ExtendedPoint& p : points) {
     const Key key = key_of(p, radius_m);
     for (std::size_t axis = 0; axis < 6; ++axis) {
       low[axis] = std::min(low[axis], key[axis]);
       high[axis] = std::max(high[axis], key[axis]);
     }
-    total += weight_of(p);
   }
-  std::size_t widest = 0;
-  for (std::size_t axis = 1; axis < 6; ++axis) {
-    if (high[axis] - low[axis] > high[widest] - low[widest]) widest = axis;
+  Reach reach;
+  for (std::size_t axis = 0; axis < 6; ++axis) {
+    if (axis == 0 || high[axis] - low[axis] > reach.high - reach.low) reach = {axis, low[axis], high[axis]};
   }
-  std::stable_sort(points.begin(), points.end(), [&](const ExtendedPoint& a, const ExtendedPoint& b) {
-    return key_of(a, radius_m)[widest] < key_of(b, radius_m)[widest];
-  });
-  float before = 0;
-  std::size_t at = 0;
-  while (at < points.size() && before < 0.5F * total) before += weight_of(points[at++]);
-  return std::clamp(at, std::size_t(1), points.size() - 1);
+  return reach;
+}
+
+// In the middle of the reach, so that a sun is soon alone.
+std::size_t split(Points points, float radius_m) {
+  const Reach reach = reach_of(points, radius_m);
+  const auto key = [&](const ExtendedPoint& p) { return key_of(p, radius_m)[reach.axis]; };
+  std::stable_sort(points.begin(), points.end(),
+                   [&](const ExtendedPoint& a, const ExtendedPoint& b) { return key(a) < key(b); });
+  const float middle = 0.5F * (reach.low + reach.high);
+  const auto at = std::find_if(points.begin(), points.end(), [&](const ExtendedPoint& p) { return key(p) > middle; });
+  return std::clamp(std::size_t(at - points.begin()), std::size_t(1), points.size() - 1);
+}
+
+// What a group is off by grows with its light and with how far that reaches.
+float priority_of(Points points, float radius_m) {
+  if (points.size() < 2) return 0;
+  float light = 0;
+  for (const ExtendedPoint& p : points) light += weight_of(p);
+  const Reach reach = reach_of(points, radius_m);
+  return light * (reach.high - reach.low);
 }
 
 }  // namespace
@@ -91,24 +108,17 @@ ExtendedLights make_extended_lights(ExtendedKind kind, std::vector<ExtendedPoint
   ExtendedLights lights{kind, std::move(points), {}};
   if (lights.points.empty()) return lights;
   lights.ends = {lights.points.size()};
+  std::vector<float> priorities{priority_of(lights.points, radius_m)};
   while (int(lights.ends.size()) < group_count(kind)) {
-    // The group with the most light; of equal ones the first.
-    std::size_t best = lights.ends.size();
-    float most = 0;
-    for (std::size_t g = 0; g < lights.ends.size(); ++g) {
-      const std::size_t begin = g == 0 ? 0 : lights.ends[g - 1];
-      if (lights.ends[g] - begin < 2) continue;
-      float light = 0;
-      for (std::size_t i = begin; i < lights.ends[g]; ++i) light += weight_of(lights.points[i]);
-      if (light > most) {
-        most = light;
-        best = g;
-      }
-    }
-    if (best == lights.ends.size()) break;
-    const std::size_t begin = best == 0 ? 0 : lights.ends[best - 1];
-    const std::size_t at = split(Points(lights.points).subspan(begin, lights.ends[best] - begin), radius_m);
-    lights.ends.insert(lights.ends.begin() + std::ptrdiff_t(best), begin + at);
+    const auto best = std::max_element(priorities.begin(), priorities.end()) - priorities.begin();
+    if (!(priorities[std::size_t(best)] > 0)) break;
+    const std::size_t begin = best == 0 ? 0 : lights.ends[std::size_t(best) - 1];
+    const std::size_t end = lights.ends[std::size_t(best)];
+    const Points group = Points(lights.points).subspan(begin, end - begin);
+    const std::size_t at = split(group, radius_m);
+    lights.ends.insert(lights.ends.begin() + best, begin + at);
+    priorities[std::size_t(best)] = priority_of(group.subspan(at), radius_m);
+    priorities.insert(priorities.begin() + best, priority_of(group.first(at), radius_m));
   }
   return lights;
 }

@@ -24,7 +24,7 @@ struct ExtendedPoint {
   std::size_t object = 0;
 };
 
-// Points in groups of neighbours, of about as much light each.
+// Points in groups of neighbours.
 struct ExtendedLights {
   ExtendedKind kind = ExtendedKind::surfaces;
   std::vector<ExtendedPoint> points;
@@ -41,8 +41,8 @@ std::vector<ExtendedPoint> surface_points(const Scene& scene, const Lights& ligh
 // Of an environment; nothing for a black one. `map` need not outlive them.
 std::vector<ExtendedPoint> environment_points(const EnvironmentMap& map);
 
-// Halves the points along where they reach farthest, by their light, until there are group_count() groups. Lengths
-// count by `radius_m`, of the scene.
+// Halves the group whose light times reach is greatest, along where it reaches farthest, until there are group_count()
+// groups. Lengths count by `radius_m`, of the scene.
 ExtendedLights make_extended_lights(ExtendedKind kind, std::vector<ExtendedPoint> points, float radius_m);
 
 // One point of each group, with all of the group's light: another one for each number `sample`, in the middle of the
