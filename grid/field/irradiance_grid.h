@@ -21,11 +21,51 @@ struct GuardRecord {
   bool operator==(const GuardRecord&) const = default;
 };
 
-// Which light is stored.
-enum class StoredLight { indirect, direct_and_indirect };
+// Kinds of sources whose light is taken to come straight from them, or not.
+struct DirectSources {
+  bool punctual = false;  // points, spots, suns of the scene
+  bool area = false;      // emissive surfaces and spherical lights
+  bool sky = false;       // the environment, its sun included
+
+  constexpr DirectSources() = default;
+  constexpr DirectSources(bool all) : punctual(all), area(all), sky(all) {}  // NOLINT(google-explicit-constructor)
+  constexpr explicit operator bool() const { return punctual || area || sky; }
+  constexpr bool all() const { return punctual && area && sky; }
+  bool operator==(const DirectSources&) const = default;
+};
+
+// Which light is stored: indirect light, and what comes straight from some kinds of sources. The values are sums of 1
+// for punctual, 2 for area and 4 for the sky.
+enum class StoredLight {
+  indirect = 0,
+  punctual = 1,
+  area = 2,
+  punctual_area = 3,
+  sky = 4,
+  punctual_sky = 5,
+  area_sky = 6,
+  direct_and_indirect = 7
+};
 template <>
-inline constexpr auto name_table<StoredLight> = make_name_table<StoredLight>(
-    "light", {{StoredLight::indirect, "indirect"}, {StoredLight::direct_and_indirect, "direct and indirect"}});
+inline constexpr auto name_table<StoredLight> =
+    make_name_table<StoredLight>("light", {{StoredLight::indirect, "indirect"},
+                                           {StoredLight::direct_and_indirect, "direct and indirect"},
+                                           {StoredLight::punctual, "indirect, direct of punctual"},
+                                           {StoredLight::area, "indirect, direct of area"},
+                                           {StoredLight::sky, "indirect, direct of sky"},
+                                           {StoredLight::punctual_area, "indirect, direct of punctual and area"},
+                                           {StoredLight::punctual_sky, "indirect, direct of punctual and sky"},
+                                           {StoredLight::area_sky, "indirect, direct of area and sky"}});
+constexpr StoredLight stored_light(const DirectSources& direct) {
+  return StoredLight((direct.punctual ? 1 : 0) + (direct.area ? 2 : 0) + (direct.sky ? 4 : 0));
+}
+constexpr DirectSources direct_sources(StoredLight light) {
+  DirectSources direct;
+  direct.punctual = (int(light) & 1) != 0;
+  direct.area = (int(light) & 2) != 0;
+  direct.sky = (int(light) & 4) != 0;
+  return direct;
+}
 
 // What a grid and the sums that it is made from (accumulator.h) have in common: where their vertices stand, and what
 // they see. Arrays by [vertex] have the lattice's vertex_count() of them.

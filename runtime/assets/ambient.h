@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <string>
 
 #include "grid/base/types.h"
@@ -25,6 +26,19 @@ struct AmbientSource {
   std::string shader;
   std::function<int(gl::Program& program, int first_unit)> bind;
 };
+
+// Light adds up: a source that is the weighted sum of others, of any kinds, several of one kind too. All is composed
+// into one shader, in which each has names of its own (gl/shader_source.h) and texture units after those of the one
+// before. Its text depends on the kinds alone, so that the renderer compiles one program for each list of kinds;
+// weights and assets may change from frame to frame. Sources of irradiance and of radiance may be mixed. Only names
+// that begin with ivory_, IVORY_ or Ivory are kept apart: two sources of the program's own that declare the same other
+// name do not compile in one list. OpenGL 3.3 promises 16 texture units, of which the renderer takes five.
+struct WeightedSource {
+  AmbientSource source;
+  Rgb weight{1, 1, 1};  // factor on its light, per channel
+};
+// Copies the sources; what they refer to must outlive it. Black for none.
+AmbientSource sum_of(std::span<const WeightedSource> sources);
 
 // Black.
 AmbientSource no_ambient();

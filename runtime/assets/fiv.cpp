@@ -145,20 +145,13 @@ gl::Buffer uniform_buffer(const void* data, std::size_t bytes, GLenum usage) {
   return buffer;
 }
 
-void bind_block(gl::Program& program, const char* name, const gl::Buffer& buffer, int binding) {
-  const GLuint index = glGetUniformBlockIndex(program.id(), name);
-  if (index == GL_INVALID_INDEX) return;  // unused by the program
-  IVORY_GL(glUniformBlockBinding, program.id(), index, GLuint(binding));
-  IVORY_GL(glBindBufferBase, GL_UNIFORM_BUFFER, GLuint(binding), buffer.id());
-}
-
 int bind_tables(const GpuFivTables& fiv, gl::Program& program, int unit, Straddling straddling, int self) {
   gl::bind(fiv.atlas, unit);
   program.set("ivory_fiv_atlas", unit++);
   gl::bind(fiv.spheres, unit);
   program.set("ivory_fiv_spheres", unit++);
-  bind_block(program, "IvoryFivTables", fiv.tables, fiv_tables_binding);
-  bind_block(program, "IvoryFivOccluders", fiv.occluders, fiv_occluders_binding);
+  program.bind_block("IvoryFivTables", fiv.tables, fiv_tables_binding);
+  program.bind_block("IvoryFivOccluders", fiv.occluders, fiv_occluders_binding);
   program.set("ivory_fiv_straddling", straddling == Straddling::scale ? 1 : 0);
   program.set("ivory_fiv_self", self);
   return unit;

@@ -17,7 +17,7 @@ namespace ivory {
 inline constexpr int fiv_max_tables = 64;
 inline constexpr int fiv_max_occluders = 256;
 
-// Binding points of the uniform buffers.
+// Binding points of the uniform buffers, but in a sum (ambient.h), where each slot has points of its own from 10 on.
 inline constexpr int fiv_tables_binding = 8;
 inline constexpr int fiv_occluders_binding = 9;
 

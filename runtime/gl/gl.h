@@ -13,6 +13,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "grid/base/types.h"
 
@@ -113,12 +114,29 @@ class Program {
   // Arrays, from element 0.
   void set(const std::string& name, const float* values, int count);
   void set(const std::string& name, const V4f* values, int count);
+  // A uniform block; `binding` is the point that its buffer is bound to, but in a slot, which takes one of its own.
+  void bind_block(const std::string& name, const Buffer& buffer, int binding);
+
+  // While it lives, names are those within that slot of the source (with_includes()): what binds an asset does not
+  // know that there are others of its kind. Nests.
+  class Slot {
+   public:
+    Slot(Program& program, int slot) : slots_(program.slots_) { slots_.push_back(slot); }
+    Slot(const Slot&) = delete;
+    Slot& operator=(const Slot&) = delete;
+    ~Slot() { slots_.pop_back(); }
+
+   private:
+    std::vector<int>& slots_;
+  };
 
  private:
   friend Program make_program(const std::string&, std::string_view, std::string_view);
   int location(const std::string& name);
+  std::string full_name(const std::string& name) const;
 
   Object<Kind::program> object_;
+  std::vector<int> slots_;  // the outermost first
   std::map<std::string, int> locations_;
 };
 

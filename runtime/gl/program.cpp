@@ -71,8 +71,15 @@ Program make_program(const std::string& what, std::string_view vertex, std::stri
 
 void Program::use() const { IVORY_GL(glUseProgram, object_.id()); }
 
-int Program::location(const std::string& name) {
+std::string Program::full_name(const std::string& name) const {
+  std::string full = name;
+  for (auto slot = slots_.rbegin(); slot != slots_.rend(); ++slot) full = slot_name(*slot, full);
+  return full;
+}
+
+int Program::location(const std::string& as_bound) {
   use();
+  const std::string name = slots_.empty() ? as_bound : full_name(as_bound);
   const auto found = locations_.find(name);
   if (found != locations_.end()) return found->second;
   const int location = glGetUniformLocation(object_.id(), name.c_str());
@@ -105,6 +112,17 @@ void Program::set(const std::string& name, const float* values, int count) {
 }
 void Program::set(const std::string& name, const V4f* values, int count) {
   IVORY_GL(glUniform4fv, location(name), count, &values->x);
+}
+
+void Program::bind_block(const std::string& name, const Buffer& buffer, int binding) {
+  const GLuint index = glGetUniformBlockIndex(object_.id(), full_name(name).c_str());
+  check("glGetUniformBlockIndex");
+  if (index == GL_INVALID_INDEX) return;  // unused by the program
+  // OpenGL 3.3 has 36 points at least and 24 blocks a program at most.
+  constexpr int first_of_slots = 10;
+  const auto point = GLuint(slots_.empty() ? binding : first_of_slots + int(index));
+  IVORY_GL(glUniformBlockBinding, object_.id(), index, point);
+  IVORY_GL(glBindBufferBase, GL_UNIFORM_BUFFER, point, buffer.id());
 }
 
 }  // namespace ivory::gl

@@ -19,7 +19,7 @@ namespace {
 struct LightBlock {
   struct Light {
     V4f position_kind;    // world, and LightKind
-    V4f direction_outer;  // the way the light travels, 1 - cosine of the outer angle
+    V4f direction_outer;  // the way the light travels or a normal; spots: 1 - cosine of the outer angle, else extent
     V4f intensity_width;  // cd or lux, inner minus outer cosine
     V4f shadow;           // first layer or -1, world size of a shadow texel (at 1 m unless directional)
   };
@@ -111,7 +111,7 @@ class FramebufferAndViewport {
 
 int layers_of(const RuntimeLight& light) {
   if (!light.casts_shadow) return 0;
-  return light.kind == LightKind::point ? 6 : 1;
+  return light.kind == LightKind::point || light.kind == LightKind::patch ? 6 : 1;
 }
 
 }  // namespace
@@ -169,7 +169,8 @@ void LightSet::update(std::span<const RuntimeLight> lights, std::span<const Shad
     // As narrow as tracer/lights/punctual.cpp has it.
     const double width = std::max({outer - one_minus_cosine(light.inner_angle_rad), 1e-6 * outer, 1e-30});
     out.position_kind = V4f(light.position_m.x, light.position_m.y, light.position_m.z, float(light.kind));
-    out.direction_outer = V4f(light.direction.x, light.direction.y, light.direction.z, float(outer));
+    out.direction_outer = V4f(light.direction.x, light.direction.y, light.direction.z,
+                              light.kind == LightKind::spot ? float(outer) : light.extent);
     out.intensity_width = V4f(light.intensity.x, light.intensity.y, light.intensity.z, float(width));
     out.shadow = V4f(-1, 0, 0, 0);
     const auto wanted = std::size_t(layers_of(light));
@@ -181,7 +182,7 @@ void LightSet::update(std::span<const RuntimeLight> lights, std::span<const Shad
     const float far_m = std::max(farthest(box, light.position_m), 1e-6F);
     const float near_m = far_m * 1e-3F;
     // A spot's map is a little wider than its cone, for the filter at the rim.
-    const float half_angle = light.kind == LightKind::point ? pi / 4 : std::min(light.outer_angle_rad * 1.02F, 1.55F);
+    const float half_angle = wanted == 6 ? pi / 4 : std::min(light.outer_angle_rad * 1.02F, 1.55F);
     switch (light.kind) {
       case LightKind::directional:
         block.clip_from_world[layers] = directional_clip(light, box, radius);
@@ -191,6 +192,7 @@ void LightSet::update(std::span<const RuntimeLight> lights, std::span<const Shad
             look(light.position_m, light.direction, any_up(light.direction)) * perspective(half_angle, near_m, far_m);
         break;
       case LightKind::point:
+      case LightKind::patch:
         for (std::size_t face = 0; face < 6; ++face) {
           const V3f forward(face_forward[face][0], face_forward[face][1], face_forward[face][2]);
           block.clip_from_world[layers + face] =

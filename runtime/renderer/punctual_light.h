@@ -1,4 +1,4 @@
-// Point, spot and directional lights, with shadow maps.
+// Point, spot and directional lights and small pieces of larger ones, with shadow maps.
 #pragma once
 
 #include <span>
@@ -11,19 +11,23 @@
 
 namespace ivory {
 
-enum class LightKind { point, spot, directional };
+enum class LightKind { point, spot, directional, patch };
 
-// In the world, as KHR_lights_punctual has them.
+// In the world, as KHR_lights_punctual has them; and a patch, a small piece of an emissive surface. Of many patches,
+// each with a shadow map, a lamp with extent is made.
 struct RuntimeLight {
   LightKind kind = LightKind::point;
-  V3f position_m{0, 0, 0};    // point and spot
-  V3f direction{0, 0, -1};    // spot and directional: unit, the way the light travels
-  Rgb intensity{1, 1, 1};     // cd; directional: illuminance in lux
+  V3f position_m{0, 0, 0};  // of all but directional
+  V3f direction{0, 0, -1};  // spot and directional: unit, the way the light travels; patch: the surface's normal
+  Rgb intensity{1, 1, 1};   // cd; directional: illuminance in lux; patch: along its normal, radiance times area
+  // Patch: its area in m2, which bounds what it gives nearby. Directional: sr that it stands for. Highlights are as
+  // wide as the light is; 0 for a point.
+  float extent = 0;
   float inner_angle_rad = 0;  // spot: from the axis, 0 <= inner <= outer <= pi / 2
   float outer_angle_rad = pi / 4;
   bool casts_shadow = true;
 };
-// In one frame. A point light takes six layers of shadow maps, others one.
+// In one frame. Point lights and patches take six layers of shadow maps, others one.
 inline constexpr std::size_t max_lights = 32;
 inline constexpr std::size_t max_shadow_layers = 64;
 

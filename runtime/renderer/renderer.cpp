@@ -196,7 +196,8 @@ void Renderer::draw(const FrameParams& frame) {
     const AmbientSource& ambient = item.ambient != nullptr ? *item.ambient : none;
     gl::Program& p = program(frame, ambient);
     set_camera(p, frame.camera);
-    p.set("ivory_direct", int(frame.direct));
+    p.set("ivory_direct", int(frame.direct && item.direct));
+    p.set("ivory_emissive", int(frame.direct && frame.emission));
     p.set("ivory_exposure", frame.exposure);
     int unit = lights.bind(p, 0);
     unit = ambient.bind(p, unit);

@@ -18,7 +18,8 @@ struct DrawItem {
   const GpuMesh* mesh = nullptr;
   const SurfaceMaterial* material = nullptr;
   M44f to_world;                           // p_world = p * to_world
-  const AmbientSource* ambient = nullptr;  // null: none
+  const AmbientSource* ambient = nullptr;  // null: none; a sum_of() any number
+  bool direct = true;                      // lit by the frame's lights? Not where its ambient light holds theirs
 };
 
 struct RuntimeCamera {
@@ -39,6 +40,7 @@ struct FrameParams {
   std::span<const DrawItem> items;
   LightSet* lights = nullptr;  // null: none
   bool direct = true;          // add direct light and emission to the ambient light?
+  bool emission = true;        // emission, too? Light adds up: more lights than fit come in a second picture without it
   float exposure = 1;          // factor on all radiance
   // GLSL that holds `#define IVORY_OUTPUT` and vec3 ivory_output(IvorySurface s), which is drawn instead of the
   // reflected radiance; it may call ivory_ambient() and ivory_direct_light(). Empty: none.

@@ -3,8 +3,9 @@
 #include "renderer/bsdf.glsl"
 
 struct IvoryLight {
-  vec4 position_kind;    // world m; 0 point, 1 spot, 2 directional
-  vec4 direction_outer;  // unit, the way the light travels; spots: 1 - cosine of the outer angle
+  vec4 position_kind;    // world m; 0 point, 1 spot, 2 directional, 3 patch
+  vec4 direction_outer;  // unit, the way the light travels, patches: normal; spots: 1 - cosine of the outer angle;
+                         // directional: sr, patches: m2 that they stand for
   vec4 intensity_width;  // cd, or lux for directional; inner minus outer cosine
   vec4 shadow;           // first layer or -1; world size of a shadow texel (at distance 1 m unless directional)
 };
@@ -32,7 +33,7 @@ float ivory_lit(IvoryLight light, vec3 p, vec3 ng, vec3 to_light) {
   float sine = length(cross(ng, normalize(to_light)));
   vec3 moved = p + ng * (texel * (0.5 + 2.0 * sine));
   int layer = int(light.shadow.x);
-  if (light.position_kind.w == 0.0) layer += ivory_cube_layer(moved - light.position_kind.xyz);
+  if (light.position_kind.w == 0.0 || light.position_kind.w == 3.0) layer += ivory_cube_layer(moved - light.position_kind.xyz);
   vec4 clip = ivory_shadow_clip_from_world[layer] * vec4(moved, 1.0);
   if (clip.w <= 0.0) return 1.0;
   vec3 at = clip.xyz / clip.w * 0.5 + 0.5;
@@ -47,6 +48,14 @@ float ivory_lit(IvoryLight light, vec3 p, vec3 ng, vec3 to_light) {
   return 0.25 * lit;
 }
 
+// The surface as it reflects a light of that solid angle taken for a point: rougher, so that the highlight is about as
+// wide as the light's image would be. A cone of sr solid angle reaches sqrt(sr / pi) from its axis, half-vectors half of
+// that. (After Karis, "Real Shading in Unreal Engine 4", 2013.)
+IvorySurface ivory_widened(IvorySurface s, float sr) {
+  s.alpha = min(1.0, sqrt(s.alpha * s.alpha + sr / (4.0 * ivory_pi)));
+  return s;
+}
+
 // Radiance in nits that the surface reflects towards s.wo of light that comes straight from the lights.
 vec3 ivory_direct_light(IvorySurface s) {
   vec3 sum = vec3(0.0);
@@ -57,7 +66,18 @@ vec3 ivory_direct_light(IvorySurface s) {
     float distance2 = dot(to_light, to_light);
     vec3 w = to_light * inversesqrt(distance2);
     vec3 e = light.intensity_width.rgb;
-    if (!directional) e /= distance2;
+    float sr = directional ? light.direction_outer.w : 0.0;
+    if (light.position_kind.w == 3.0) {
+      // Light that leaves by the cosine from a disc of that area, whose irradiance on its axis r^2 + A / pi divides:
+      // never more than a surface of its radiance could give, however near.
+      float cosine = max(0.0, -dot(w, light.direction_outer.xyz));
+      float area = light.direction_outer.w;
+      float share = cosine / (distance2 + area / ivory_pi);
+      e *= share;
+      sr = area * share;
+    } else if (!directional) {
+      e /= distance2;
+    }
     if (light.position_kind.w == 1.0) {
       // 1 - cosine from the axis, by the sine: the difference would lose narrow cones.
       float cosine = dot(-w, light.direction_outer.xyz);
@@ -66,7 +86,7 @@ vec3 ivory_direct_light(IvorySurface s) {
       float a = clamp((light.direction_outer.w - x) / light.intensity_width.a, 0.0, 1.0);
       e *= a * a;
     }
-    vec3 reflected = e * ivory_eval_bsdf(s, w);
+    vec3 reflected = e * ivory_eval_bsdf(ivory_widened(s, sr), w);
     if (ivory_max_component(reflected) > 0.0) sum += reflected * ivory_lit(light, s.p, s.ng, to_light);
   }
   return sum;

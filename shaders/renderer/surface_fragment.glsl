@@ -3,8 +3,9 @@
 #include "renderer/surface.glsl"
 #include "renderer/punctual_lights.glsl"
 
-uniform bool ivory_direct;    // add direct light and emission?
-uniform float ivory_exposure; // factor on all radiance
+uniform bool ivory_direct;     // add direct light?
+uniform bool ivory_emissive;   // and emission?
+uniform float ivory_exposure;  // factor on all radiance
 
 out vec4 ivory_fragment;
 
@@ -19,7 +20,8 @@ void main() {
 #else
   vec3 radiance = ivory_diffuse_reflectance(s) / ivory_pi * ivory_ambient(s.p, s.ng, s.ns);
 #endif
-  if (ivory_direct) radiance += s.emission + ivory_direct_light(s);
+  if (ivory_emissive) radiance += s.emission;
+  if (ivory_direct) radiance += ivory_direct_light(s);
 #endif
   ivory_fragment = vec4(radiance * ivory_exposure, s.coverage);
 }

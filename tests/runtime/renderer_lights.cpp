@@ -71,6 +71,58 @@ TEST_F(RuntimeLights, PunctualLightsFollowTheirFormulas) {
   EXPECT_NEAR(target.pixel(12, 3).x, expected, 1e-5F * expected);
 }
 
+// A patch gives I cos cos' / (r^2 + A / pi), nothing behind it, and never more than a wall of its radiance: pi L.
+TEST_F(RuntimeLights, PatchesShineByTheCosineAndAreBounded) {
+  const RenderTarget target(16, 16);
+  const GpuMesh mesh = square(2);
+  const SurfaceMaterial material = lambert(Rgb(1, 1, 1));
+  const DrawItem item{&mesh, &material, M44f(), nullptr};
+  Renderer renderer;
+  LightSet set;
+  FrameParams frame;
+  frame.camera = from_above();
+  frame.items = {&item, 1};
+  frame.lights = &set;
+  const V3f p(2 * 12.5F / 16 - 1, 0, -(2 * 3.5F / 16 - 1));
+  RuntimeLight light;
+  light.kind = LightKind::patch;
+  light.extent = 0.3F;
+  light.intensity = Rgb(10 * light.extent, 5 * light.extent, 1);
+  light.position_m = V3f(0.1F, 1.2F, -0.2F);
+  light.direction = V3f(0.2F, -1, 0.3F).normalized();
+  set.update({&light, 1}, {});
+  renderer.draw(frame);
+  const V3f d = light.position_m - p;
+  const V3f w = d.normalized();
+  const float expected = light.intensity.x / pi * w.y * -w.dot(light.direction) / (d.length2() + light.extent / pi);
+  ASSERT_GT(expected, 0);
+  EXPECT_NEAR(target.pixel(12, 3).x, expected, 1e-5F * expected);
+  EXPECT_NEAR(target.pixel(12, 3).y, expected / 2, 1e-5F * expected);
+  light.direction = -light.direction;
+  set.update({&light, 1}, {});
+  renderer.draw(frame);
+  EXPECT_EQ(target.pixel(12, 3).x, 0);
+  // A millimetre above: radiance of the patch, albedo 1.
+  light.direction = V3f(0, -1, 0);
+  light.position_m = p + V3f(0, 1e-3F, 0);
+  set.update({&light, 1}, {});
+  renderer.draw(frame);
+  EXPECT_NEAR(target.pixel(12, 3).x, 10, 0.01F);
+  // Emission comes with the first of several pictures alone, and what holds the light already has no more of it.
+  SurfaceMaterial shining = material;
+  shining.emission = Rgb(7, 7, 7);
+  DrawItem lit{&mesh, &shining, M44f(), nullptr};
+  frame.items = {&lit, 1};
+  renderer.draw(frame);
+  EXPECT_NEAR(target.pixel(12, 3).x, 17, 0.01F);
+  frame.emission = false;
+  renderer.draw(frame);
+  EXPECT_NEAR(target.pixel(12, 3).x, 10, 0.01F);
+  lit.direct = false;
+  renderer.draw(frame);
+  EXPECT_EQ(target.pixel(12, 3).x, 0);
+}
+
 // A small square above the plane: its shadow is where the light does not see past it, and nowhere else, whatever
 // the kind of light. A shadow texel is 1/1024 of the map, so points a pixel away from the edge are certain.
 TEST_F(RuntimeLights, ShadowsFallWhereTheyShould) {
@@ -88,7 +140,7 @@ TEST_F(RuntimeLights, ShadowsFallWhereTheyShould) {
   frame.camera = from_above();
   frame.items = {&item, 1};
   frame.lights = &set;
-  for (const LightKind kind : {LightKind::point, LightKind::spot, LightKind::directional}) {
+  for (const LightKind kind : {LightKind::point, LightKind::spot, LightKind::directional, LightKind::patch}) {
     RuntimeLight light;
     light.kind = kind;
     light.position_m = V3f(-0.1F, 2, 0.05F);

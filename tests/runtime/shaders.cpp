@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "runtime/assets/ambient.h"
 #include "runtime/gl/shader_source.h"
 #include "tests/support/paths.h"
 
@@ -36,6 +37,16 @@ std::vector<std::pair<std::string, std::string>> fragment_shaders() {
                                "#include \"renderer/surface_fragment.glsl\"\n");
     }
   }
+  // All sources, each twice, in one sum.
+  std::vector<WeightedSource> sum;
+  for (const std::string& name : shader_names()) {
+    if (!name.starts_with("ambient/")) continue;
+    sum.push_back({{"#include \"" + name + "\"\n", {}}});
+    sum.push_back(
+        {{(name == "ambient/lobes.glsl" ? "#define IVORY_LOBES_GLOSSY\n" : "") + sum.back().source.shader, {}}});
+  }
+  shaders.emplace_back("renderer with a sum", "#include \"renderer/punctual_lights.glsl\"\n" + sum_of(sum).shader +
+                                                  "#include \"renderer/surface_fragment.glsl\"\n");
   return shaders;
 }
 

@@ -65,6 +65,21 @@ std::vector<LightGroupRule> parse_groups(const std::vector<std::string>& texts) 
   return rules;
 }
 
+// "area,sky".
+DirectSources parse_direct(const std::string& text) {
+  DirectSources direct;
+  std::istringstream names(text);
+  for (std::string name; std::getline(names, name, ',');) {
+    bool* const source = name == "punctual" ? &direct.punctual
+                         : name == "area"   ? &direct.area
+                         : name == "sky"    ? &direct.sky
+                                            : nullptr;
+    if (source == nullptr) throw UsageError("--direct-of: '" + name + "' is none of punctual, area, sky");
+    *source = true;
+  }
+  return direct;
+}
+
 // The input's first.
 void put_input_warnings(const SceneInput& input, nlohmann::ordered_json& result) {
   nlohmann::ordered_json warnings = input.warnings;
@@ -125,11 +140,14 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
                                  params.photons));
   }
   const bool contract = has_contract(options.contract, params);
-  if (contract && params.levels > 1) {
+  if (contract && params.levels > 1)
     throw UsageError(
         "--levels: a bake to an error chooses its levels itself; give --voxel-size or --resolution and --photons "
         "instead of --target-error or --dry-run");
-  }
+  if (contract && params.include_direct && !params.include_direct.all())
+    throw UsageError(
+        "--direct-of: an error is certified of all direct light or of none; give --voxel-size or "
+        "--resolution, and --photons, instead of --target-error or --dry-run");
   params.max_memory_bytes = options.contract.most_memory_bytes;
   if (!options.contract.dry_run) check_output(options.output, ".vdb", common);
   if (!options.contract.report.empty() && !options.contract.dry_run)
@@ -146,11 +164,10 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
     // What a contract chooses has about that spacing, and memory bounds it.
     if (contract && !params.resolution && !params.voxel_size_m) return;
     check_grid_memory(scene, placed, params);
-    if (contract) {
+    if (contract)
       params.frame = placed.frame;
-    } else {
+    else
       params.lattice = placed;
-    }
   });
   if (!options.groups.empty()) params.groups = make_light_groups(input.lit.lights, *input.lit.scene, rules);
   if (contract) return run_contract(options, params, input, common);
@@ -254,7 +271,15 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
                   "extras.ivory_group of their nodes (to ask for that alone: extras), the others to group 'rest'")
       .repeated()
       .type_name("GROUP=PATTERN,..|extras");
-  command.add_flag("--direct", params.include_direct, "Store light straight from its sources too");
+  Option direct = command.add_flag(
+      "--direct", [&params] { params.include_direct = true; }, "Store light straight from its sources too");
+  command
+      .add_option(
+          "--direct-of", [&params](const std::string& text) { params.include_direct = parse_direct(text); },
+          "The same of some sources: punctual, area (emissive surfaces, spherical lights), sky (the environment,\n"
+          "its sun included). What reads the grid adds the others, and none twice")
+      .type_name("KIND,..")
+      .excludes(direct);
   add_environment_options(command, options->environment);
   add_scene_options(command, options->load);
   command.add_choice(

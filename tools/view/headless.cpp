@@ -21,7 +21,7 @@ using Clock = std::chrono::steady_clock;
 
 void draw_frame(ViewFrame& frame, ViewSession& session, ViewTarget& target, int samples) {
   target.reset();
-  for (int i = 0; i < samples; ++i) frame.draw_point(session, target, pixel_point(i));
+  for (int i = 0; i < samples; ++i) frame.draw_point(session, target, i);
 }
 
 }  // namespace

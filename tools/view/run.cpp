@@ -9,6 +9,7 @@
 
 #include "grid/base/error.h"
 #include "tools/view/draw/debug.h"
+#include "tools/view/session/default_grid.h"
 #include "tools/view/session/light.h"
 #include "tracer/image/file.h"
 
@@ -30,10 +31,10 @@ ViewMethod best_method(const ViewSession& session) {
 }
 
 void choose_methods(ViewSession& session, const ViewRun& run) {
-  const ViewMethod all = run.method.empty() ? best_method(session) : view_method_from_name(run.method);
-  for (std::size_t i = 0; i < session.world.objects.size(); ++i) choose_method(session, i, all);
+  const std::string all = run.method.empty() ? std::string(name_of(best_method(session))) : run.method;
+  for (std::size_t i = 0; i < session.world.objects.size(); ++i) choose_lights(session, i, all);
   // As ivory render has it: the cube map is for what moves near it, the rest keeps its grid.
-  if (all == ViewMethod::cubemap && session.world.objects.size() > 1 &&
+  if (all == name_of(ViewMethod::cubemap) && session.world.objects.size() > 1 &&
       find_asset(session.assets, FileKind::grid) != nullptr)
     choose_method(session, 0, ViewMethod::grid);
   for (const std::string& text : run.methods_of) {
@@ -43,7 +44,7 @@ void choose_methods(ViewSession& session, const ViewRun& run) {
     bool found = false;
     for (std::size_t i = 0; i < session.world.objects.size(); ++i) {
       if (session.world.objects[i].name != object && !(i == 0 && object == "scene")) continue;
-      choose_method(session, i, view_method_from_name(text.substr(equals + 1)));
+      choose_lights(session, i, std::string_view(text).substr(equals + 1));
       found = true;
     }
     if (!found) throw UsageError("--method-of: there is no object '" + object + "'");
@@ -82,6 +83,10 @@ ViewSession start_session(const ViewRun& run, const CommonOptions& common) {
   session.settings = run.settings;
   if (is_black(run.settings.constant_e_lux)) session.settings.constant_e_lux = default_constant(session);
   if (!run.reference.empty()) set_reference(session, run.reference, run.input.size);
+  if (run.method.empty() && run.methods_of.empty() && !is_lit_by_assets(session))
+    bake_default_grid(session, run.save_grid, common);
+  else if (!run.save_grid.empty())
+    throw UsageError("--save-grid: no grid is baked where an asset or a method is given");
   choose_methods(session, run);
   for (const std::string& note : session.notes) print_note(common, note);
   session.notes.clear();
@@ -98,7 +103,7 @@ float find_exposure(ViewFrame& frame, ViewSession& session, ViewTarget& target) 
   const bool is_irradiance = view == DebugView::irradiance || view == DebugView::stored;
   if (!is_irradiance) session.settings.debug = DebugView::none;
   target.reset();
-  frame.draw_point(session, target, V2f(0, 0));
+  frame.draw_point(session, target, 0);
   target.reset();
   return auto_exposure(target.read_mean()) + (is_irradiance ? std::log2(pi) : 0.0F);
 }
@@ -114,7 +119,7 @@ void write_picture(const std::string& path, const ViewSession& session, const Vi
   Metadata metadata;
   metadata["version"] = std::string(IVORY_VERSION);
   metadata["scene"] = session.world.objects.front().name;
-  metadata["method"] = std::string(name_of(session.world.objects.front().light.method));
+  metadata["method"] = lights_text(session.world.objects.front());
   metadata["light"] = std::string(session.settings.direct ? "all" : "indirect");
   if (session.settings.debug != DebugView::none) metadata["debug"] = std::string(name_of(session.settings.debug));
   if (is_linear_image(path)) {
@@ -175,8 +180,12 @@ Json describe(const ViewSession& session) {
   for (const ViewObject& object : world.objects) {
     Json entry{{"name", object.name},
                {"offset_m", offset_json(object, world.time_s, anchor_m)},
-               {"method", name_of(object.light.method)}};
-    if (object.light.asset != nullptr) entry["asset"] = object.light.asset->label();
+               {"method", lights_text(object)}};
+    std::vector<std::string> labels;
+    for (const ObjectLight& light : object.lights) {
+      if (light.asset != nullptr) labels.push_back(light.asset->label());
+    }
+    if (!labels.empty()) entry["asset"] = fmt::format("{}", fmt::join(labels, "+"));
     json["objects"].push_back(std::move(entry));
   }
   json["assets"] = Json::array();

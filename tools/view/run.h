@@ -17,11 +17,12 @@ struct ViewRun {
   ViewSettings settings;
   std::string method;                   // of all objects; empty: by what was given
   std::vector<std::string> methods_of;  // OBJECT=METHOD
+  std::string save_grid;                // where the grid goes that is baked without an asset; empty: nowhere
   std::string reference;
   std::vector<std::string> outputs;     // pictures; in a window the name of screenshots
   std::uint64_t frames = 0;             // 0: one, or in a window until it is closed
   double frames_per_second = 30;        // of time that passes between frames without a window
-  int samples = 4;                      // points a pixel
+  int samples = 16;                     // points a pixel
   std::optional<float> exposure_stops;  // empty: found from the first frame
 };
 

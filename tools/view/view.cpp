@@ -27,6 +27,7 @@ struct ViewCommand {
 };
 
 void check_outputs(const ViewCommand& command, const CommonOptions& common) {
+  if (!command.run.save_grid.empty()) check_output(command.run.save_grid, ".vdb", common);
   for (const std::string& output : command.run.outputs) {
     check_image_name(output);
     if (command.headless && !has_number(output)) check_output(output, common);
@@ -52,7 +53,7 @@ ViewRun finished(const ViewCommand& command) {
   }
   run.input.size = command.size.x > 0 ? command.size : command.headless ? Imath::V2i(640, 480) : Imath::V2i(1280, 800);
   if (command.samples > 4096) throw UsageError("--samples: at most 4096 points a pixel");
-  run.samples = command.samples > 0 ? int(command.samples) : command.headless ? 4 : 16;
+  run.samples = command.samples > 0 ? int(command.samples) : 16;
   if (run.frames > 1'000'000) throw UsageError("--frames: at most 1000000");
   return run;
 }
@@ -96,13 +97,20 @@ void add_light_options(Command app, ViewCommand& command) {
   const std::string group = "Light";
   app.add_option("--method", command.run.method,
                  "Where ambient light comes from: none, constant, sh9, difmap, grid (or direct, as ivory render calls\n"
-                 "it), fiv, cubemap, lobes [the best of what is given]")
-      .type_name("NAME")
+                 "it), fiv, cubemap, lobes; or several that add up, each with a weight: grid+fiv*0.5, and grid+grid\n"
+                 "for two files [the best of what is given; without any asset a grid that is baked at the start]")
+      .type_name("NAME[*W][+NAME..]")
       .group(group);
   app.add_option("--method-of", command.run.methods_of,
                  "The same for one object, by its name (file or node; 'scene' for the scene); may be repeated")
       .repeated()
-      .type_name("OBJECT=NAME")
+      .type_name("OBJECT=NAME[*W][+NAME..]")
+      .group(group);
+  app.add_option("--save-grid", command.run.save_grid,
+                 "Keeps the grid that is baked where no asset and no method is given [nowhere]: the scene's indirect\n"
+                 "light at up to 32 vertices a side, by 128 photons a vertex, some seconds' work; its error is not\n"
+                 "measured (ivory bake grid does)")
+      .type_name("GRID.vdb")
       .group(group);
   // What ivory render calls the same files, for scripts that draw by both.
   for (const auto& [option, type] : {std::pair{"--grid", "GRID.vdb"},
@@ -169,7 +177,7 @@ void add_light_options(Command app, ViewCommand& command) {
 void add_picture_options(Command app, ViewCommand& command) {
   const std::string group = "Picture";
   app.add_image_size("--size", command.size, "Size of the picture in pixels [640x480; window 1280x800]").group(group);
-  app.add_count("--samples", command.samples, "Points a pixel [4; window 16, once nothing moves]").group(group);
+  app.add_count("--samples", command.samples, "Points a pixel [16; in a window once nothing moves]").group(group);
   app.add_option("--exposure", command.run.exposure_stops,
                  "Stops for tone-mapped pictures [as ivory render chooses, from the first frame]")
       .within(-100.0, 100.0)
@@ -229,7 +237,11 @@ void add_view_command(Command app, CommonOptions& common) {
       "exposure,\n"
       "Space halts the paths, Delete removes an object, H hides the panel, Esc quits (--json then prints where all "
       "is).\n"
+      "\nDirect light: point, spot and directional lights by shadow maps; emissive surfaces, spherical lights and the\n"
+      "environment by a few dozen points of theirs with shadow maps, others for each of --samples; each but what an\n"
+      "object's own light holds (a grid of --direct, a cube map, lobes, an environment's irradiance).\n"
       "\nExamples:\n"
+      "  ivory view room.glb\n"
       "  ivory view room.glb room.vdb\n"
       "  ivory view room.glb room.vdb --object knot.glb@0,0,1 --path circle:1,4\n"
       "  ivory view room.glb room.vdb --headless -o room.exr --indirect-only && ivory compare room.exr truth.exr\n"

@@ -20,6 +20,7 @@ enum class StreamPurpose : std::uint32_t {
   gather = 6,
   capture = 7,
   pilot = 8,
+  emitter = 9,
   domain = 16,
   truth = 17
 };

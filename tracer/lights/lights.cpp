@@ -199,6 +199,8 @@ int Lights::node_of(std::size_t light) const {
 
 bool Lights::is_environment(std::size_t light) const { return light >= state_->environment_index(); }
 
+bool Lights::is_punctual(std::size_t light) const { return light < state_->punctual_count(); }
+
 bool Lights::has_extended() const {
   return !state_->emitters.empty() || (state_->environment && !state_->environment->texels.empty());
 }

@@ -33,6 +33,15 @@ struct LightSample {
   float reach_m = 0;
 };
 
+// A piece of an emissive surface, for who draws it as a small light.
+struct EmitterPoint {
+  V3f p;                       // world
+  V3f n;                       // unit normal of the side that shines
+  float area_m2 = 0;           // of surface that it stands for
+  Rgb radiance_nits{0, 0, 0};  // of that side, coverage included
+  int instance = no_index;
+};
+
 class Lights {
  public:
   // Those of intersector.scene(), which must outlive this object. Throws Error where a light is not finite.
@@ -48,6 +57,7 @@ class Lights {
   // The scene's node that placed a light; no_index for the environment and in a scene without nodes.
   int node_of(std::size_t light) const;
   bool is_environment(std::size_t light) const;
+  bool is_punctual(std::size_t light) const;
   bool has_extended() const;   // emissive triangles or an environment: light that rays can run into
   Rgb total_power_lm() const;  // per channel; directional and environment light enter through the
                                // disc over the scene's bounding sphere
@@ -96,6 +106,10 @@ class Lights {
   // One light as seen from p, half by power and half evenly; nothing when that light cannot reach p
   // (behind an emitter's dark side, outside a spot's cone). Visibility is the caller's.
   std::optional<LightSample> sample(const V3f& p, RandomStream& random) const;
+
+  // Points of the emissive surfaces that stand for all of them, `count` or, where some shine with nothing, fewer; in
+  // proportion to power within an instance, half by power and half evenly among instances, spread evenly.
+  std::vector<EmitterPoint> emitter_points(std::size_t count, std::uint64_t seed) const;
 
   // pdf (1/sr) with which sample(p) would have chosen the direction of this hit on an emissive
   // triangle, pick probability included; 0 for triangles that do not emit.

@@ -184,5 +184,38 @@ TEST(LightGroups, AreMixedByFactors) {
   EXPECT_THROW(mix_groups(same, {}), ParameterError);
 }
 
+// The photons are the same, whichever kinds of sources leave their direct light too: it adds up to the last unit.
+TEST(DirectSources, KindsAddUpToAll) {
+  Scene scene = room_with_nodes();
+  EnvironmentMap map;
+  map.width = 2;
+  map.height = 1;
+  map.radiance = {Rgb(3, 2, 1), Rgb(1, 1, 1)};
+  scene.environment = map;
+  scene.meshes[0].triangles.resize(8);  // open to the sky
+  const LitScene lit = make_lit_scene(std::move(scene));
+  GridBakeParams params;
+  params.resolution = V3i(4, 4, 4);
+  params.photons = 50'000;
+  params.emission = EmissionMode::even;
+  const auto sums_of = [&](const DirectSources& direct) {
+    params.include_direct = direct;
+    GridAccumulator sums = bake_grid_sums(lit, params);
+    EXPECT_EQ(sums.light, stored_light(direct));
+    EXPECT_EQ(direct_sources(sums.light), direct);
+    return sums.sums;
+  };
+  const std::vector<std::int64_t> indirect = sums_of(false);
+  std::vector<std::int64_t> added = indirect;
+  for (bool DirectSources::*kind : {&DirectSources::punctual, &DirectSources::area, &DirectSources::sky}) {
+    DirectSources direct;
+    direct.*kind = true;
+    const std::vector<std::int64_t> with = sums_of(direct);
+    EXPECT_NE(with, indirect);
+    for (std::size_t i = 0; i < added.size(); ++i) added[i] += with[i] - indirect[i];
+  }
+  EXPECT_TRUE(added == sums_of(true));
+}
+
 }  // namespace
 }  // namespace ivory

@@ -44,10 +44,9 @@ void require_inputs(const ViewSession& session, const ViewTarget& target) {
     throw ParameterError("debug", fmt::format("{}: {}", name_of(view), lack));
   if (view != DebugView::difference) return;
   const Film& film = session.reference->film;
-  if (film.width != target.width() || film.height != target.height()) {
+  if (film.width != target.width() || film.height != target.height())
     throw ParameterError("debug", fmt::format("difference: the reference is {} x {}, the picture {} x {}", film.width,
                                               film.height, target.width(), target.height()));
-  }
 }
 
 // The value that nearly all of the picture stays under, so that a few outliers do not make the rest dark.
@@ -80,10 +79,19 @@ V2f pixel_point(int i) {
   return {x - std::floor(x) - 0.5F, y - std::floor(y) - 0.5F};
 }
 
-void ViewFrame::update_shadows(ViewSession& session) {
+std::size_t ViewFrame::bytes() const {
+  std::size_t sum = punctual_.lights.bytes();
+  for (const auto& [kind, shadows] : extended_) sum += shadows.lights.bytes();
+  return sum;
+}
+
+bool ViewFrame::update(Shadows& shadows, const ViewSession& session, int size, int sample,
+                       const std::function<std::vector<RuntimeLight>(std::span<const V3f>)>& lights) {
   std::vector<V3f> places;
   for (const ViewObject& object : session.world.objects) places.push_back(place(object, session.world.time_s));
-  if (places == shadows_of_ && shadow_size_ == session.settings.shadow_size) return;
+  if (shadows.lights.updated() && places == shadows.places && size == shadows.size && sample == shadows.sample &&
+      session.lights_version == shadows.version)
+    return false;
   std::vector<ShadowCaster> casters;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const GpuModel& model = session.world.objects[i].model;
@@ -92,49 +100,87 @@ void ViewFrame::update_shadows(ViewSession& session) {
     }
   }
   ShadowParams params;
-  params.size = session.settings.shadow_size;
-  shadows_.update(session.direct, casters, params);
+  params.size = size;
+  shadows.lights.update(lights(places), casters, params);
+  shadows.places = std::move(places);
+  shadows.size = size;
+  shadows.version = session.lights_version;
+  shadows.sample = sample;
+  return true;
+}
+
+void ViewFrame::update_punctual(ViewSession& session) {
+  if (!update(punctual_, session, session.settings.shadow_size, 0,
+              [&](std::span<const V3f>) { return session.direct; }))
+    return;
   // Said again where it changes, not in every frame of what moves.
-  if (const int without = shadows_.unshadowed(); without != unshadowed_) {
+  if (const int without = punctual_.lights.unshadowed(); without != unshadowed_) {
     unshadowed_ = without;
-    if (without > 0) {
+    if (without > 0)
       session.notes.push_back(
           fmt::format("note: {} of the {} lights cast no shadow: shadow maps have {} layers, of "
                       "which a point light takes six",
                       without, session.direct.size(), max_shadow_layers));
-    }
   }
-  shadows_of_ = std::move(places);
-  shadow_size_ = session.settings.shadow_size;
 }
 
-void ViewFrame::draw_point(ViewSession& session, ViewTarget& target, const V2f& shift) {
+// Light adds up: each kind has a picture of its own, with as many small lights as one takes.
+void ViewFrame::add_extended(const ViewSession& session, ViewTarget& target, int i, FrameParams frame,
+                             std::vector<DrawItem> items, std::span<const std::size_t> objects) {
+  std::vector<HeldLight> held;
+  for (const ViewObject& object : session.world.objects) held.push_back(held_light(session, object));
+  frame.emission = false;
+  frame.sky = nullptr;
+  for (const ExtendedLights& extended : session.extended) {
+    bool lights_any = false;
+    for (std::size_t k = 0; k < items.size(); ++k) {
+      items[k].ambient = nullptr;
+      items[k].direct = !held[objects[k]].holds(extended.kind);
+      lights_any = lights_any || items[k].direct;
+    }
+    if (!lights_any) continue;
+    // Shadows that are averaged over many lights may be coarser.
+    const int size = std::max(16, session.settings.shadow_size / 2);
+    Shadows& shadows = extended_[extended.kind];
+    update(shadows, session, size, i, [&](std::span<const V3f> places) { return small_lights(extended, i, places); });
+    frame.lights = &shadows.lights;
+    frame.items = items;
+    target.begin();
+    renderer_.draw(frame);
+    target.add_light();
+  }
+}
+
+void ViewFrame::draw_point(ViewSession& session, ViewTarget& target, int i) {
   require_inputs(session, target);
   place_lights_and_occluders(session);
   const ViewSettings& settings = session.settings;
   const std::string output = surface_debug_shader(settings.debug);
   const bool lit = settings.direct && output.empty();
-  if (lit) update_shadows(session);
+  if (lit) update_punctual(session);
 
   std::vector<AmbientSource> sources;
-  for (std::size_t i = 0; i < session.world.objects.size(); ++i) {
+  for (std::size_t object = 0; object < session.world.objects.size(); ++object) {
     const bool from_grid = !output.empty() && needs_grid(settings.debug);
-    sources.push_back(from_grid ? grid_source(*session.debug_grid, settings) : ambient_source(session, i));
+    sources.push_back(from_grid ? grid_source(*session.debug_grid, settings) : ambient_source(session, object));
   }
   std::vector<DrawItem> items;
-  for (std::size_t i = 0; i < sources.size(); ++i) {
-    const ViewObject& object = session.world.objects[i];
+  std::vector<std::size_t> objects;  // of the items
+  for (std::size_t k = 0; k < sources.size(); ++k) {
+    const ViewObject& object = session.world.objects[k];
     const GpuModel& model = object.model;
     const V3f at = place(object, session.world.time_s);
+    const bool direct = !held_light(session, object).punctual;
     for (const ModelPart& part : model.parts) {
       items.push_back(
-          {&model.meshes[part.mesh], &model.materials[part.material], moved(part.to_world, at), &sources[i]});
+          {&model.meshes[part.mesh], &model.materials[part.material], moved(part.to_world, at), &sources[k], direct});
+      objects.push_back(k);
     }
   }
   FrameParams frame;
-  frame.camera = runtime_camera(session, target, shift);
+  frame.camera = runtime_camera(session, target, pixel_point(i));
   frame.items = items;
-  frame.lights = &shadows_;
+  frame.lights = &punctual_.lights;
   frame.direct = lit;
   frame.output_shader = output;
   if (lit && session.sky) frame.sky = &*session.sky;
@@ -143,6 +189,7 @@ void ViewFrame::draw_point(ViewSession& session, ViewTarget& target, const V2f& 
   if (needs_grid(settings.debug) && output.empty())
     overlay_.draw(std::get<GridAsset>(session.debug_grid->data), frame.camera, settings);
   target.add();
+  if (lit && !needs_grid(settings.debug)) add_extended(session, target, i, frame, items, objects);
 }
 
 bool ViewFrame::is_false_color(const ViewSettings& settings) {
@@ -158,11 +205,10 @@ ColorRange ViewFrame::color_range(const ViewSession& session, const ViewTarget& 
     range.greatest = *settings.range;
   } else if (settings.debug != DebugView::kept && settings.debug != DebugView::bracket) {
     const Film mean = target.read_mean();
-    if (settings.debug == DebugView::difference && session.reference->is_display) {
+    if (settings.debug == DebugView::difference && session.reference->is_display)
       range.greatest = 0.1F;
-    } else {
+    else
       range.greatest = greatest_value(settings.debug == DebugView::difference ? difference(session, mean) : mean);
-    }
   }
   range.least = range.is_signed ? -range.greatest : 0;
   return range;
@@ -174,11 +220,10 @@ void ViewFrame::draw_display(const ViewSession& session, ViewTarget& target) {
   if (is_false_color(settings)) {
     const ColorRange range = color_range(session, target);
     target.begin_display();
-    if (settings.debug == DebugView::difference) {
+    if (settings.debug == DebugView::difference)
       display_.draw_difference(target.mean(), session.reference->texture, session.reference->is_display, tone, range);
-    } else {
+    else
       display_.draw_false_color(target.mean(), range);
-    }
     return;
   }
   // E on a white surface leaves as E / pi.

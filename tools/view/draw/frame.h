@@ -1,9 +1,11 @@
 // Draws a session: points of a picture, then what the display shows of their mean.
 #pragma once
 
+#include <functional>
 #include <map>
-#include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "runtime/renderer/renderer.h"
 #include "tools/view/draw/overlay.h"
@@ -18,10 +20,10 @@ V2f pixel_point(int i);
 
 class ViewFrame {
  public:
-  // One point of each pixel, at `shift` (pixels) from its middle, added to the target's mean. Throws ParameterError
-  // where the debug view lacks a grid or reference, Error as the runtime does. Notes of the session say which lights
-  // cast no shadow.
-  void draw_point(ViewSession& session, ViewTarget& target, const V2f& shift);
+  // Point i of each pixel (pixel_point()), added to the target's mean; lights with extent shine from other points of
+  // theirs for each i. Throws ParameterError where the debug view lacks a grid or reference, Error as the runtime does.
+  // Notes of the session say which lights cast no shadow.
+  void draw_point(ViewSession& session, ViewTarget& target, int i);
 
   // From the target's mean to its display picture: tone-mapped, or in false colours over color_range().
   void draw_display(const ViewSession& session, ViewTarget& target);
@@ -30,15 +32,27 @@ class ViewFrame {
   ColorRange color_range(const ViewSession& session, const ViewTarget& target) const;
   static bool is_false_color(const ViewSettings& settings);
 
-  std::size_t bytes() const { return shadows_.bytes(); }
+  std::size_t bytes() const;
 
  private:
-  void update_shadows(ViewSession& session);
+  // Lights with their shadows, and what those were drawn of.
+  struct Shadows {
+    LightSet lights;
+    std::vector<V3f> places;  // of the objects
+    int size = 0;
+    int version = 0;  // of the session's lights
+    int sample = 0;   // of lights with extent
+  };
+  // True where they were drawn anew.
+  bool update(Shadows& shadows, const ViewSession& session, int size, int sample,
+              const std::function<std::vector<RuntimeLight>(std::span<const V3f>)>& lights);
+  void update_punctual(ViewSession& session);
+  void add_extended(const ViewSession& session, ViewTarget& target, int i, FrameParams frame,
+                    std::vector<DrawItem> items, std::span<const std::size_t> objects);
 
   Renderer renderer_;
-  LightSet shadows_;
-  std::vector<V3f> shadows_of_;  // places of the objects that the shadow maps show
-  int shadow_size_ = 0;
+  Shadows punctual_;
+  std::map<ExtendedKind, Shadows> extended_;
   int unshadowed_ = 0;  // lights without a shadow that the user was told of
   OverlayPass overlay_;
   DisplayPass display_;

@@ -84,26 +84,40 @@ void ViewTarget::begin() {
   IVORY_GL(glDepthFunc, GL_LESS);
 }
 
-void ViewTarget::add() {
-  ++samples_;
-  const float share = 1.0F / float(samples_);
-  IVORY_GL(glBindFramebuffer, GL_FRAMEBUFFER, mean_framebuffer_.id());
-  IVORY_GL(glViewport, 0, 0, width_, height_);
-  IVORY_GL(glDisable, GL_DEPTH_TEST);
-  IVORY_GL(glDisable, GL_CULL_FACE);
-  if (samples_ == 1) {
-    IVORY_GL(glDisable, GL_BLEND);  // what was there may not be a number
-  } else {
-    IVORY_GL(glEnable, GL_BLEND);
-    IVORY_GL(glBlendEquation, GL_FUNC_ADD);
-    IVORY_GL(glBlendColor, share, share, share, share);
-    IVORY_GL(glBlendFunc, GL_CONSTANT_COLOR, GL_ONE_MINUS_CONSTANT_COLOR);
-  }
+void ViewTarget::draw_into_mean() {
   add_.use();
   gl::bind(color_, 0);
   add_.set("picture", 0);
   draw_full_picture(no_vertices_);
   IVORY_GL(glDisable, GL_BLEND);
+}
+
+void ViewTarget::begin_mean(bool blend) {
+  const float share = 1.0F / float(samples_);
+  IVORY_GL(glBindFramebuffer, GL_FRAMEBUFFER, mean_framebuffer_.id());
+  IVORY_GL(glViewport, 0, 0, width_, height_);
+  IVORY_GL(glDisable, GL_DEPTH_TEST);
+  IVORY_GL(glDisable, GL_CULL_FACE);
+  if (!blend) {
+    IVORY_GL(glDisable, GL_BLEND);
+    return;
+  }
+  IVORY_GL(glEnable, GL_BLEND);
+  IVORY_GL(glBlendEquation, GL_FUNC_ADD);
+  IVORY_GL(glBlendColor, share, share, share, share);
+}
+
+void ViewTarget::add() {
+  ++samples_;
+  begin_mean(samples_ > 1);  // what was there before the first may not be a number
+  if (samples_ > 1) IVORY_GL(glBlendFunc, GL_CONSTANT_COLOR, GL_ONE_MINUS_CONSTANT_COLOR);
+  draw_into_mean();
+}
+
+void ViewTarget::add_light() {
+  begin_mean(true);
+  IVORY_GL(glBlendFuncSeparate, GL_CONSTANT_COLOR, GL_ONE, GL_ZERO, GL_ONE);
+  draw_into_mean();
 }
 
 namespace {

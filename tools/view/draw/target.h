@@ -21,6 +21,8 @@ class ViewTarget {
   void reset();
   void begin();
   void add();
+  // Adds another picture of the same point to the last one that was added: its light, with alpha left as it is.
+  void add_light();
   int samples() const { return samples_; }
 
   // The mean of what was added: radiance in nits, or whatever was drawn; alpha is the share of the pixel covered.
@@ -34,6 +36,9 @@ class ViewTarget {
   void show() const;
 
  private:
+  void begin_mean(bool blend);
+  void draw_into_mean();
+
   int width_;
   int height_;
   int samples_ = 0;

@@ -90,7 +90,7 @@ GridAsset make_grid_asset(const std::string& path, const IrradianceGrid& grid) {
   }
   asset.typical_vector_lux = typical_vector(grid);
   asset.mean_e_lux = mean_irradiance(grid);
-  asset.holds_direct = grid.light != StoredLight::indirect;
+  asset.direct = direct_sources(grid.light);
   return asset;
 }
 
@@ -171,13 +171,21 @@ void mix_asset(ViewAsset& asset, const GroupFactors& factors) {
   grid->grouped = std::move(grouped);
 }
 
+std::unique_ptr<ViewAsset> make_view_grid(const std::string& path, const IrradianceGrid& grid) {
+  std::unique_ptr<ViewAsset> asset = make_asset(path, make_grid_asset(path, grid), {}, grid.metadata);
+  asset->given = false;
+  return asset;
+}
+
 std::unique_ptr<ViewAsset> make_view_difmap(const std::string& path, const DifMap& map) {
   return make_asset(path, DifMapAsset{upload(map, {}, path), mean_irradiance(map)},
                     text_of(map.metadata, "environment_hash"));
 }
 
 std::unique_ptr<ViewAsset> make_view_lobes() {
-  return make_asset("lobe table made at start", upload(make_lobe_table()));
+  std::unique_ptr<ViewAsset> asset = make_asset("lobe table made at start", upload(make_lobe_table()));
+  asset->given = false;
+  return asset;
 }
 
 const ViewAsset* find_asset(const ViewAssets& assets, FileKind kind) {

@@ -24,7 +24,7 @@ struct GridAsset {
   gl::Texture brick_places;  // of several levels: RGBA32UI, where each of the atlas' bricks stands (draw/overlay.cpp)
   float typical_vector_lux = 0;  // length that nineteen in twenty of the stored vectors stay under
   Rgb mean_e_lux{0, 0, 0};       // about
-  bool holds_direct = false;     // light as well as indirect
+  DirectSources direct;          // whose light it holds as it comes straight from them
   // Of a grid that keeps groups of lights apart: to mix it again. Null for others.
   std::shared_ptr<const IrradianceGrid> grouped;
 };
@@ -48,6 +48,7 @@ struct ViewAsset {
   AssetData data;
   std::string environment_hash;  // of the environment that it was baked from; empty: of none
   Metadata metadata;             // of grids and localized cube maps
+  bool given = true;             // by the user; false: made of what was given
 
   FileKind kind() const;
   std::string label() const;  // the path without folders
@@ -66,6 +67,9 @@ std::unique_ptr<ViewAsset> load_view_asset(const std::string& path, FileKind kin
 // A grid that keeps groups apart, lit by them as they are now; nothing for other assets. Throws ParameterError as
 // mix_groups() does.
 void mix_asset(ViewAsset& asset, const GroupFactors& factors);
+
+// Of a grid made in memory, for a scene of its anchor; `path` names it.
+std::unique_ptr<ViewAsset> make_view_grid(const std::string& path, const IrradianceGrid& grid);
 
 // Of a map made in memory; `path` names it.
 std::unique_ptr<ViewAsset> make_view_difmap(const std::string& path, const DifMap& map);

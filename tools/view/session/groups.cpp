@@ -48,6 +48,7 @@ void mix_groups(ViewSession& session) {
     }
   }
   std::vector<RuntimeLight> lamps = runtime_lights(session.world.scene());
+  ++session.lights_version;
   bool dimmed = false;
   for (const auto& asset : session.assets) {
     const IrradianceGrid* grid = grouped_grid(*asset);

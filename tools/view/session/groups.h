@@ -13,7 +13,7 @@ std::vector<std::string> group_names(const ViewSession& session);
 
 // Mixes all grids by session.factors, and dims the punctual lights with them. Needs a current context. Throws
 // ParameterError ("groups") for a factor whose group no grid has, and as mix_groups() does. Emissive surfaces and the
-// environment behind are drawn as they are.
+// environment shine as they are.
 void mix_groups(ViewSession& session);
 
 }  // namespace ivory

@@ -1,11 +1,14 @@
 #include "tools/view/session/light.h"
 
+#include <algorithm>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "grid/base/anchor.h"
 #include "grid/base/error.h"
+#include "tools/cli/numbers.h"
 #include "tools/view/draw/debug.h"
 #include "tools/view/session/occluders.h"
 
@@ -13,23 +16,31 @@ namespace ivory {
 
 namespace {
 
-// The first asset that the method reads.
-const ViewAsset* asset_for(const ViewSession& session, ViewMethod method) {
+// Of all assets of that kind number `nth`, from 0.
+const ViewAsset* nth_asset(const ViewAssets& assets, FileKind kind, std::size_t nth) {
+  for (const auto& asset : assets) {
+    if (asset->kind() == kind && nth-- == 0) return asset.get();
+  }
+  return nullptr;
+}
+
+// The asset that the method reads: the first, or a later one for who reads others already.
+const ViewAsset* asset_for(const ViewSession& session, ViewMethod method, std::size_t nth = 0) {
   switch (method) {
     case ViewMethod::grid:
-      return find_asset(session.assets, FileKind::grid);
+      return nth_asset(session.assets, FileKind::grid, nth);
     case ViewMethod::cubemap:
-      return find_asset(session.assets, FileKind::cubemap);
+      return nth_asset(session.assets, FileKind::cubemap, nth);
     case ViewMethod::lobes:
-      return find_asset(session.assets, FileKind::lobes);
+      return nth_asset(session.assets, FileKind::lobes, nth);
     case ViewMethod::sh9:
-      return find_asset(session.assets, FileKind::sh9);
+      return nth_asset(session.assets, FileKind::sh9, nth);
     case ViewMethod::difmap:
-      return find_asset(session.assets, FileKind::difmap);
+      return nth_asset(session.assets, FileKind::difmap, nth);
     case ViewMethod::fiv: {
       // What the environment gives where nothing hides it; SH9 is the second choice.
-      const ViewAsset* difmap = find_asset(session.assets, FileKind::difmap);
-      return difmap != nullptr ? difmap : find_asset(session.assets, FileKind::sh9);
+      const ViewAsset* difmap = nth_asset(session.assets, FileKind::difmap, nth);
+      return difmap != nullptr ? difmap : nth_asset(session.assets, FileKind::sh9, nth);
     }
     default:
       return nullptr;
@@ -77,12 +88,16 @@ void place_lobes(ViewSession& session) {
 
 }  // namespace
 
-std::string lacks(const ViewSession& session, ViewMethod method) {
+namespace {
+
+std::string lacks(const ViewSession& session, ViewMethod method, std::size_t nth) {
   if (method == ViewMethod::lobes && session.world.scene().sphere_lights.empty())
     return "the scene has no spherical light (--sphere-light)";
   if (method == ViewMethod::none || method == ViewMethod::constant) return "";
-  const ViewAsset* asset = asset_for(session, method);
-  if (asset == nullptr) return fmt::format("no asset that method {} reads was given", name_of(method));
+  const ViewAsset* asset = asset_for(session, method, nth);
+  if (asset == nullptr)
+    return nth == 0 ? fmt::format("no asset that method {} reads was given", name_of(method))
+                    : fmt::format("{} assets for method {} are named, and {} given", nth + 1, name_of(method), nth);
   if (const auto* grid = std::get_if<GridAsset>(&asset->data);
       grid != nullptr && !reads(session.settings.lookup.reconstruction, grid->gpu.basis)) {
     return fmt::format("--reconstruction paper needs a grid of basis vectors, {} has {}", asset->path,
@@ -91,6 +106,22 @@ std::string lacks(const ViewSession& session, ViewMethod method) {
   if (method == ViewMethod::fiv && !session.fiv_tables) return "no FIV table was given";
   return "";
 }
+
+// How many of the first `count` sources have that method.
+std::size_t of_method(std::span<const ObjectLight> lights, ViewMethod method) {
+  return std::size_t(
+      std::count_if(lights.begin(), lights.end(), [&](const ObjectLight& l) { return l.method == method; }));
+}
+
+ObjectLight light_by(const ViewSession& session, ViewMethod method, std::span<const ObjectLight> before, float weight) {
+  const std::size_t nth = of_method(before, method);
+  if (const std::string lack = lacks(session, method, nth); !lack.empty()) throw ParameterError("method", lack);
+  return {method, asset_for(session, method, nth), weight};
+}
+
+}  // namespace
+
+std::string lacks(const ViewSession& session, ViewMethod method) { return lacks(session, method, 0); }
 
 std::string lacks(const ViewSession& session, DebugView view) {
   if (view == DebugView::difference && !session.reference) return "it needs a --reference";
@@ -106,8 +137,73 @@ std::string lacks(const ViewSession& session, DebugView view) {
 }
 
 void choose_method(ViewSession& session, std::size_t object, ViewMethod method) {
-  if (const std::string lack = lacks(session, method); !lack.empty()) throw ParameterError("method", lack);
-  session.world.objects[object].light = {method, asset_for(session, method)};
+  session.world.objects[object].lights = {light_by(session, method, {}, 1)};
+}
+
+void choose_method(ViewSession& session, std::size_t object, std::size_t part, ViewMethod method) {
+  std::vector<ObjectLight>& lights = session.world.objects[object].lights;
+  lights[part] = light_by(session, method, std::span(lights).first(part), lights[part].weight);
+}
+
+void choose_lights(ViewSession& session, std::size_t object, std::string_view text) {
+  std::vector<ObjectLight> lights;
+  std::string_view rest = text;
+  while (true) {
+    const std::string_view part = rest.substr(0, rest.find('+'));
+    const std::size_t star = part.find('*');
+    float weight = 1;
+    if (star != std::string_view::npos) {
+      const std::optional<double> number = parse_number(part.substr(star + 1));
+      if (!number || !(*number >= 0)) {
+        throw ParameterError("method", fmt::format("'{}' is no source with a weight: METHOD*WEIGHT", part));
+      }
+      weight = float(*number);
+    }
+    lights.push_back(light_by(session, view_method_from_name(part.substr(0, star)), lights, weight));
+    if (part.size() == rest.size()) break;
+    rest.remove_prefix(part.size() + 1);
+  }
+  session.world.objects[object].lights = std::move(lights);
+}
+
+std::string lights_text(const ViewObject& object) {
+  std::string text;
+  for (const ObjectLight& light : object.lights) {
+    text += fmt::format("{}{}", text.empty() ? "" : "+", name_of(light.method));
+    if (light.weight != 1) text += fmt::format("*{}", light.weight);
+  }
+  return text;
+}
+
+HeldLight held_light(const ViewSession& session, const ViewObject& object) {
+  HeldLight held;
+  for (const ObjectLight& light : object.lights) {
+    switch (light.method) {
+      case ViewMethod::grid: {
+        const DirectSources direct = std::get<GridAsset>(light.asset->data).direct;
+        held.punctual = held.punctual || direct.punctual;
+        held.surfaces = held.surfaces || direct.area;
+        held.spheres = held.spheres || direct.area;
+        held.environment = held.environment || direct.sky;
+        break;
+      }
+      case ViewMethod::cubemap:
+        // It holds whatever it saw from where it was captured, but no light without extent.
+        held.surfaces = held.spheres = held.environment = true;
+        break;
+      case ViewMethod::lobes:
+        held.spheres = true;
+        break;
+      case ViewMethod::sh9:
+      case ViewMethod::difmap:
+      case ViewMethod::fiv:
+        held.environment = held.environment || !session.environment.empty();
+        break;
+      default:
+        break;
+    }
+  }
+  return held;
 }
 
 void place_lights_and_occluders(ViewSession& session) {
@@ -119,8 +215,9 @@ AmbientSource grid_source(const ViewAsset& asset, const ViewSettings& settings) 
   return ambient(std::get<GridAsset>(asset.data).gpu, settings.lookup);
 }
 
-AmbientSource ambient_source(const ViewSession& session, std::size_t object) {
-  const ObjectLight& light = session.world.objects[object].light;
+namespace {
+
+AmbientSource source_of(const ViewSession& session, std::size_t object, const ObjectLight& light) {
   const ViewSettings& settings = session.settings;
   switch (light.method) {
     case ViewMethod::constant:
@@ -147,6 +244,15 @@ AmbientSource ambient_source(const ViewSession& session, std::size_t object) {
     default:
       return no_ambient();
   }
+}
+
+}  // namespace
+
+AmbientSource ambient_source(const ViewSession& session, std::size_t object) {
+  std::vector<WeightedSource> sources;
+  for (const ObjectLight& light : session.world.objects[object].lights)
+    sources.push_back({source_of(session, object, light), Rgb(light.weight, light.weight, light.weight)});
+  return sum_of(sources);
 }
 
 }  // namespace ivory

@@ -2,14 +2,34 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "runtime/assets/ambient.h"
 #include "tools/view/session/session.h"
 
 namespace ivory {
 
-// Lights an object by a method, from the first asset that it can read. Throws ParameterError where there is none.
+// Lights an object by a method alone, from the first asset that it can read. Throws ParameterError where there is none.
 void choose_method(ViewSession& session, std::size_t object, ViewMethod method);
+// The same for one of the sources that add up; the second of one method reads the second asset of its kind.
+void choose_method(ViewSession& session, std::size_t object, std::size_t part, ViewMethod method);
+// By "METHOD[*WEIGHT][+METHOD[*WEIGHT]...]": "grid+fiv*0.5". Throws ParameterError as choose_method() does and for
+// texts that say nothing.
+void choose_lights(ViewSession& session, std::size_t object, std::string_view text);
+// Such a text of what lights the object.
+std::string lights_text(const ViewObject& object);
+
+// The direct light that an object's sources hold, and that is not to be drawn once more.
+struct HeldLight {
+  bool punctual = false;
+  bool surfaces = false;  // that emit, but for spherical lights
+  bool spheres = false;   // spherical lights
+  bool environment = false;
+  bool holds(ExtendedKind kind) const {
+    return kind == ExtendedKind::surfaces ? surfaces : kind == ExtendedKind::spheres ? spheres : environment;
+  }
+};
+HeldLight held_light(const ViewSession& session, const ViewObject& object);
 
 // What the method, or the debug view, lacks, for the user; empty for nothing.
 std::string lacks(const ViewSession& session, ViewMethod method);

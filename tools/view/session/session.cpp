@@ -29,7 +29,7 @@ void add_object(ViewSession& session, ViewObject object) {
   std::vector<ViewObject>& objects = session.world.objects;
   object.model = upload(*object.scene);
   append(session.notes, object.model.left_out, "note: ");
-  if (!objects.empty()) object.light = objects.front().light;
+  if (!objects.empty()) object.lights = objects.front().lights;
   objects.push_back(std::move(object));
 }
 
@@ -51,28 +51,53 @@ void set_environment(ViewSession& session, const EnvironmentChoice& choice) {
   DifMap difmap;
   difmap.e = bake_irradiance(make_irradiance_tree(input.image), difmap_size).e;
   difmap.metadata = input.origin;
-  const EnvironmentMap map = to_latlong(std::move(input.image));
+  session.environment_facts = input.origin;
+  const auto environment = std::make_shared<const EnvironmentMap>(to_latlong(std::move(input.image)));
+  const EnvironmentMap& map = *environment;
   gl::Texture sky = gl::make_texture_2d(choice.path, gl::Format::rgb32f, map.width, map.height, map.radiance.data(),
                                         gl::Filter::nearest, gl::Wrap::repeat, gl::Wrap::clamp);
   std::unique_ptr<ViewAsset> asset = make_view_difmap(choice.path, difmap);
+  asset->given = false;
   session.environment_hash = asset->environment_hash;
   // It stands before files of another environment, and after none: the latest is what lights.
   session.assets.insert(session.assets.begin(), std::move(asset));
   for (ViewObject& object : session.world.objects) {
-    if (object.light.method == ViewMethod::difmap || object.light.method == ViewMethod::fiv)
-      object.light.asset = session.assets.front().get();
+    for (ObjectLight& light : object.lights) {
+      if (light.method == ViewMethod::difmap || light.method == ViewMethod::fiv)
+        light.asset = session.assets.front().get();
+    }
   }
   session.sky = std::move(sky);
+  session.environment_map = environment;
   session.environment = file_name(choice.path);
+}
+
+// To be called when objects or the environment are others.
+void find_extended_lights(ViewSession& session) {
+  session.extended.clear();
+  ++session.lights_version;
+  const auto add = [&](ExtendedKind kind, std::vector<ExtendedPoint> points) {
+    if (!points.empty())
+      session.extended.push_back(make_extended_lights(kind, std::move(points), session.world.radius_m));
+  };
+  for (const ExtendedKind kind : {ExtendedKind::surfaces, ExtendedKind::spheres}) {
+    std::vector<ExtendedPoint> points;
+    for (std::size_t i = 0; i < session.world.objects.size(); ++i) {
+      const ViewObject& object = session.world.objects[i];
+      const std::vector<ExtendedPoint> more = surface_points(*object.scene, Lights(*object.intersector), kind, i);
+      points.insert(points.end(), more.begin(), more.end());
+    }
+    add(kind, std::move(points));
+  }
+  if (session.environment_map) add(ExtendedKind::environment, environment_points(*session.environment_map));
 }
 
 // Assets of another environment than the one behind show light that is not there.
 void note_environment(ViewSession& session, const ViewAsset& asset) {
   if (!session.environment_hash.empty() && !asset.environment_hash.empty() &&
-      asset.environment_hash != session.environment_hash) {
+      asset.environment_hash != session.environment_hash)
     session.notes.push_back(
         fmt::format("note: {} was baked for another environment than {}", asset.path, session.environment));
-  }
 }
 
 // Nodes that the file itself calls occluders (extras.ivory_occluder) are objects, and their tables assets.
@@ -157,20 +182,19 @@ ViewSession open_session(const SessionInput& input) {
   for (const std::string& text : input.spheres) {
     const std::size_t at = text.rfind('@');
     auto asset = load_view_asset(text.substr(0, at), FileKind::spheres, session.world.scene().anchor_m);
-    if (at != std::string::npos) {
+    if (at != std::string::npos)
       std::get<SphereSetAsset>(asset->data).offset_m =
           parse_vector3("--spheres", std::string_view(text).substr(at + 1));
-    }
     session.assets.push_back(std::move(asset));
   }
   if (!session.world.scene().sphere_lights.empty() && find_asset(session.assets, FileKind::lobes) == nullptr)
     session.assets.push_back(make_view_lobes());
+  find_extended_lights(session);
   session.factors = input.factors;
   if (!session.factors.empty()) {
     try {
       mix_groups(session);
-      session.notes.emplace_back(
-          "note: emissive surfaces and the environment behind are drawn as they are, whatever their group");
+      session.notes.emplace_back("note: emissive surfaces and the environment shine as they are, whatever their group");
     } catch (const ParameterError& error) {
       throw UsageError("--group-scale, --group-tint: " + error.cause());
     }
@@ -196,6 +220,7 @@ std::string add_file(ViewSession& session, const std::string& path, const std::o
       throw;
     }
     measure(session.world);
+    find_extended_lights(session);
     return fmt::format("{} is an object now", file_name(path));
   }
   if (kind == FileKind::image) {
@@ -204,24 +229,20 @@ std::string add_file(ViewSession& session, const std::string& path, const std::o
       set_reference(session, path, size);
       return fmt::format("{} is the reference now", file_name(path));
     }
-    if (film.width != 2 * film.height) {
+    if (film.width != 2 * film.height)
       throw Error(path,
                   fmt::format("is {} x {}: neither a reference, of the picture's {} x {}, nor a lat-long map",
                               film.width, film.height, size.x, size.y),
                   "render the reference with the picture's --size; give other environment maps by --env");
-    }
     set_environment(session, {path, ""});
+    find_extended_lights(session);
     return fmt::format("{} is the environment now", file_name(path));
   }
   std::unique_ptr<ViewAsset> asset = load_view_asset(path, kind, session.world.scene().anchor_m);
   check_scale(path, asset->metadata, session.scene_facts);
-  if (const auto* grid = std::get_if<GridAsset>(&asset->data)) {
+  if (kind == FileKind::grid) {
     if (const auto hash = find_text(asset->metadata, "scene_hash"); hash && *hash != session.world.scene().content_hash)
       session.notes.push_back(fmt::format("note: {} was baked from another scene", path));
-    if (grid->holds_direct && session.settings.direct && !session.direct.empty()) {
-      session.notes.push_back(
-          fmt::format("note: {} holds direct light, which is drawn twice now: use --indirect-only", path));
-    }
     if (session.debug_grid == nullptr) session.debug_grid = asset.get();
   }
   note_environment(session, *asset);
@@ -263,6 +284,7 @@ void set_reference(ViewSession& session, const std::string& path, const Imath::V
 void remove_object(ViewSession& session, std::size_t object) {
   if (object == 0 || object >= session.world.objects.size()) return;
   session.world.objects.erase(session.world.objects.begin() + std::ptrdiff_t(object));
+  find_extended_lights(session);
 }
 
 }  // namespace ivory

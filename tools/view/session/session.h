@@ -2,6 +2,7 @@
 // functions need a current OpenGL context.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "tools/input/environment.h"
 #include "tools/input/scene.h"
 #include "tools/view/session/assets.h"
+#include "tools/view/world/extended_lights.h"
 #include "tools/view/session/settings.h"
 #include "tools/view/world/world.h"
 #include "tracer/core/film.h"
@@ -28,7 +30,9 @@ struct ReferencePicture {
 
 struct ViewSession {
   ViewWorld world;
-  std::vector<RuntimeLight> direct;  // of the scene; max_lights at most
+  std::vector<RuntimeLight> direct;      // of the scene, without extent; max_lights at most
+  std::vector<ExtendedLights> extended;  // with extent, of the scene and its objects; none that give no light
+  int lights_version = 0;                // another one for other lights
   ViewAssets assets;
   std::optional<GpuFivTables> fiv_tables;  // all of the assets'
   ViewSettings settings;
@@ -40,8 +44,10 @@ struct ViewSession {
   std::vector<std::pair<const ViewAsset*, V3f>> lobes_placed;  // lobe tables and sphere sets, where they were last
   std::string environment;                                     // name without folders; empty: none
   std::string environment_hash;                                // of its file
+  Metadata environment_facts;                                  // what assets know it by: EnvironmentInput::origin
   std::optional<gl::Texture> sky;
-  std::vector<std::string> notes;  // one line each, for the user: what was left out or chosen
+  std::shared_ptr<const EnvironmentMap> environment_map;  // null: none
+  std::vector<std::string> notes;                         // one line each, for the user: what was left out or chosen
 
   std::size_t bytes() const;  // on the GPU
 };

@@ -62,19 +62,41 @@ bool draw_assets_of(const ViewSession& session, ObjectLight& light) {
   return changed;
 }
 
+// The sources that add up; true where one was changed.
+bool draw_lights_of(ViewSession& session, std::size_t object) {
+  std::vector<ObjectLight>& lights = session.world.objects[object].lights;
+  bool changed = false;
+  std::size_t removed = lights.size();
+  for (std::size_t k = 0; k < lights.size(); ++k) {
+    ImGui::PushID(int(k));
+    ViewMethod method = lights[k].method;
+    if (choose("method", method, all_view_methods, [&](ViewMethod m) { return lacks(session, m); })) {
+      choose_method(session, object, k, method);
+      changed = true;
+    }
+    changed = draw_assets_of(session, lights[k]) || changed;
+    if (lights.size() > 1) {
+      changed = ImGui::SliderFloat("weight", &lights[k].weight, 0, 2, "%.2f") || changed;
+      if (ImGui::SmallButton("take out")) removed = k;
+    }
+    ImGui::PopID();
+  }
+  if (removed < lights.size()) {
+    lights.erase(lights.begin() + std::ptrdiff_t(removed));
+    changed = true;
+  }
+  if (ImGui::SmallButton("add a source")) lights.push_back({});
+  return changed;
+}
+
 void draw_objects(ViewSession& session, GuiState& state, GuiRequest& request) {
   if (!ImGui::CollapsingHeader("Objects and their light", ImGuiTreeNodeFlags_DefaultOpen)) return;
   for (std::size_t i = 0; i < session.world.objects.size(); ++i) {
     ViewObject& object = session.world.objects[i];
     ImGui::PushID(int(i));
     if (ImGui::Selectable(object.name.c_str(), state.selected == i)) state.selected = i;
-    ViewMethod method = object.light.method;
     ImGui::Indent();
-    if (choose("method", method, all_view_methods, [&](ViewMethod m) { return lacks(session, m); })) {
-      choose_method(session, i, method);
-      request.redraw = true;
-    }
-    request.redraw = draw_assets_of(session, object.light) || request.redraw;
+    request.redraw = draw_lights_of(session, i) || request.redraw;
     if (object.moves) {
       const V3d& anchor_m = session.world.scene().anchor_m;
       V3d offset = offset_in_world(object, object.offset_m, anchor_m);

@@ -102,7 +102,7 @@ void Viewer::find_exposure_now() {
 void Viewer::draw_points(int up_to) {
   if (dirty_) target_->reset();
   dirty_ = false;
-  while (target_->samples() < up_to) frame_->draw_point(*session_, *target_, pixel_point(target_->samples()));
+  while (target_->samples() < up_to) frame_->draw_point(*session_, *target_, target_->samples());
 }
 
 // What cannot be drawn is said once, and tried again when something has changed.

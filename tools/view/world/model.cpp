@@ -117,26 +117,26 @@ MeshData mesh_data(const Mesh& mesh) {
 void note_left_out(const Scene& scene, const std::set<int>& materials, std::vector<std::string>& notes) {
   bool specular = false;
   bool uv_sets = false;
-  bool emits = false;
-  std::set<int> of_sphere_lights;  // they light by method lobes
-  for (const SphereLight& light : scene.sphere_lights) {
-    if (light.instance != no_index)
-      of_sphere_lights.insert(scene.meshes[std::size_t(scene.instances[std::size_t(light.instance)].mesh)].material);
-  }
+  bool glossy = false;
+  bool lafortune = false;
   for (const int index : materials) {
     const Material& m = scene.materials[std::size_t(index)];
     specular = specular || (!m.specular_glossiness &&
                             (m.specular_texture.texture != no_index || m.specular_color_texture.texture != no_index));
     for (const TextureUse* use : {&m.base_color_texture, &surface_use(m), &m.normal_texture, &m.emission_texture})
       uv_sets = uv_sets || (use->texture != no_index && use->uv_set > 1);
-    emits = emits || (!is_black(m.emission) && !of_sphere_lights.contains(index));
+    glossy = glossy || (m.specular_glossiness ? !is_black(m.specular_color) : m.metallic > 0 || m.specular > 0);
+    lafortune = lafortune || !m.lafortune.empty();
   }
   if (specular) notes.push_back(fmt::format("{}: textures of KHR_materials_specular are left out", scene.name));
   if (uv_sets) notes.push_back(fmt::format("{}: textures of a third set of coordinates are left out", scene.name));
-  if (emits) {
+  if (lafortune)
+    notes.push_back(fmt::format("{}: Lafortune lobes are left out: their materials reflect as glTF's say", scene.name));
+  if (glossy)
     notes.push_back(
-        fmt::format("{}: emissive surfaces light nothing by themselves; a grid holds their light", scene.name));
-  }
+        fmt::format("{}: what glossy surfaces reflect of indirect light is left out, and lights with extent are "
+                    "reflected as blurred as their pieces are large",
+                    scene.name));
 }
 
 }  // namespace
@@ -226,7 +226,6 @@ std::vector<RuntimeLight> strongest(const std::vector<RuntimeLight>& lights, std
   order.resize(count);
   std::sort(order.begin(), order.end());
   std::vector<RuntimeLight> kept;
-  kept.reserve(order.size());
   for (const std::size_t i : order) kept.push_back(lights[i]);
   return kept;
 }

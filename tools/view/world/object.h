@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "runtime/assets/fiv.h"
 #include "tools/view/session/settings.h"
@@ -16,22 +17,23 @@ namespace ivory {
 
 struct ViewAsset;
 
-// How an object is lit.
+// What an object is lit by: one of the sources that add up.
 struct ObjectLight {
   ViewMethod method = ViewMethod::none;
   const ViewAsset* asset = nullptr;  // that the method reads; null where it reads none
+  float weight = 1;                  // factor on its light
 };
 
 struct ViewObject {
   std::string name;  // file without folders, or node
   std::unique_ptr<Scene> scene;
-  std::unique_ptr<Intersector> intersector;  // of that scene, where it is local
-  GpuModel model;                            // of that scene; empty until it is uploaded
-  V3f offset_m{0, 0, 0};                     // of its local positions to those of the world's scene
-  ObjectPath path;                           // on top of the offset
-  bool moves = true;                         // false: the scene itself
-  ObjectLight light;
-  std::optional<GpuFivOccluder> occluder;  // that it is for others, local
+  std::unique_ptr<Intersector> intersector;        // of that scene, where it is local
+  GpuModel model;                                  // of that scene; empty until it is uploaded
+  V3f offset_m{0, 0, 0};                           // of its local positions to those of the world's scene
+  ObjectPath path;                                 // on top of the offset
+  bool moves = true;                               // false: the scene itself
+  std::vector<ObjectLight> lights{ObjectLight{}};  // never empty
+  std::optional<GpuFivOccluder> occluder;          // that it is for others, local
 };
 
 // What to add to its local positions for those of the world's scene at that time; m.

@@ -231,7 +231,7 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
   result.anchor_m = scene.anchor_m;
   result.visible_fraction = std::move(visible_fraction);
   result.guard = std::move(guard);
-  result.light = params.include_direct ? StoredLight::direct_and_indirect : StoredLight::indirect;
+  result.light = stored_light(params.include_direct);
   result.photon_begin = begin;
   result.photon_end = end;
   result.counters = {{"ledger_emitted", ledger.emitted}, {"ledger_absorbed", ledger.absorbed},

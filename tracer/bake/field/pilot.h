@@ -15,7 +15,7 @@ namespace ivory {
 struct PilotParams {
   std::uint64_t photons = 0;  // of the bake; the pilot traces about a thirtieth of them
   int max_bounces = 1000;
-  bool include_direct = false;
+  DirectSources include_direct = {};
   std::uint64_t seed = 1;
   std::function<void(std::uint64_t done, std::uint64_t total)> progress;  // photons; called from any thread
 };

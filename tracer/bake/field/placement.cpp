@@ -107,7 +107,7 @@ std::optional<EmissionTarget> emission_target(const GridFrame& frame, const Grid
   if (params.emission == EmissionMode::even) return std::nullopt;
   const V3f size = V3f(frame.size);
   return EmissionTarget{frame.to_world((size - V3f(1, 1, 1)) * 0.5F), (size * frame.spacing_m).length() * 0.5F,
-                        params.include_direct};
+                        bool(params.include_direct)};
 }
 
 Lattice default_lattice(const Scene& scene, const GridBakeParams& params) {

@@ -34,6 +34,12 @@ float pieces_to_send(const AimedBox& box, float reflected_lm, float sought_lm) {
   return pieces < 1 ? pieces : std::floor(std::min(pieces, float(PhotonWindow::most_pieces)));
 }
 
+bool includes(const DirectSources& sources, const Lights& lights, int light) {
+  if (light == no_index) return sources.all();
+  if (lights.is_environment(std::size_t(light))) return sources.sky;
+  return lights.is_punctual(std::size_t(light)) ? sources.punctual : sources.area;
+}
+
 }  // namespace
 
 PhotonLedger& PhotonLedger::operator+=(const PhotonLedger& other) {
@@ -81,6 +87,7 @@ void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLed
     ledger.emitted += emitted;
     ++ledger.photons;
     if (is_black(photon.power)) continue;
+    const bool straight = includes(params_.include_direct, lit_.lights, photon.light);
     const float sought_lm =
         params_.aim && params_.aim->sought_lm > 0 ? params_.aim->sought_lm : max_component(photon.power);
     waiting.push_back({Ray{.origin = photon.origin, .direction = photon.direction}, photon.power, emitted, 0, 1});
@@ -98,7 +105,7 @@ void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLed
       const float jitter = random.next();
       const std::optional<Hit> hit = lit_.intersector.closest(ray);
       ++ledger.rays;
-      const bool counts = bounce > 0 || params_.include_direct;
+      const bool counts = bounce > 0 || straight;
       if (counts) segment(ray, hit, power, jitter, photon.light);
       if (!hit) {
         ledger.escaped += carried;

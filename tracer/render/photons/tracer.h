@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "grid/field/irradiance_grid.h"
 #include "tracer/core/lit_scene.h"
 #include "tracer/render/photons/aim.h"
 #include "tracer/render/photons/window.h"
@@ -29,8 +30,8 @@ struct PhotonArrival {
 };
 
 struct PhotonParams {
-  int max_bounces = 1000;       // Russian roulette ends paths long before; this bounds the time in a mirror box
-  bool include_direct = false;  // also segments and arrivals that come straight from a light
+  int max_bounces = 1000;        // Russian roulette ends paths long before; this bounds the time in a mirror box
+  DirectSources include_direct = {};  // also segments and arrivals that come straight from these; true: from all
   std::uint64_t seed = 1;
   std::optional<EmissionTarget> target = std::nullopt;      // where they are asked for; none: everywhere
   std::optional<Lights::Emission> emission = std::nullopt;  // how they are sent; none: by `target`
