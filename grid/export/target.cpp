@@ -8,6 +8,7 @@ namespace {
 
 using enum ExportTarget;
 constexpr ExportAsset distant = ExportAsset::distant;
+constexpr ExportAsset grid = ExportAsset::grid;
 
 constexpr auto formats = std::to_array<ExportFormat>({
     {three_js, distant, ".json", "", "LightProbe, for ObjectLoader"},
@@ -20,6 +21,10 @@ constexpr auto formats = std::to_array<ExportFormat>({
     {gltf, distant, ".gltf", "", "the scene of --scene with EXT_lights_image_based"},
     {gltf, distant, ".glb", "", "the same for a binary scene"},
     {bevy, distant, ".ktx2", "", "cube map for EnvironmentMapLight"},
+    {three_js, grid, ".ktx2", ".js .json", "LightProbeGrid's atlas, and a module that loads it"},
+    {bevy, grid, ".ktx2", ".json", "IrradianceVolume"},
+    {ExportTarget::sides, grid, ".ktx2", ".json", "plain 3D texture: E at six normals"},
+    {ExportTarget::sh9, grid, ".ktx2", ".json", "plain 3D texture: nine coefficients"},
 });
 
 }  // namespace

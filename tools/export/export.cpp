@@ -8,6 +8,7 @@
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/export/distant.h"
+#include "tools/export/grid.h"
 #include "tools/input/file_kind.h"
 
 namespace ivory {
@@ -30,7 +31,7 @@ ExportAsset asset_of(const std::string& path, FileKind kind) {
   }
 }
 
-void run_export(const ExportOptions& options, const CommonOptions& common) {
+void run_export(const ExportOptions& options, const Command& command, const CommonOptions& common) {
   const FileKind kind = file_kind(options.asset);
   const ExportFormat& format =
       export_format(options.target, asset_of(options.asset, kind), lower_extension(options.output));
@@ -42,7 +43,16 @@ void run_export(const ExportOptions& options, const CommonOptions& common) {
   } else if (!options.scene.empty()) {
     throw UsageError("--scene serves --to gltf only");
   }
-  export_distant(options, kind, format, common);
+  const bool of_grid = format.asset == ExportAsset::grid;
+  if (!of_grid && options.voxel_size_m) throw UsageError("--voxel-size serves grids only");
+  const bool has_texels = of_grid && (format.target == ExportTarget::bevy || format.target == ExportTarget::sides);
+  if (!has_texels && command.get_option("--texels").given())
+    throw UsageError("--texels serves grids for bevy and sides only");
+  if (of_grid) {
+    export_grid(options, format, common);
+  } else {
+    export_distant(options, kind, format, common);
+  }
 }
 
 }  // namespace
@@ -59,12 +69,22 @@ void add_export_command(Command app, CommonOptions& common) {
       .type_name("OUT");
   command.add_option("--scene", options->scene, "For --to gltf: the scene that the light is put into")
       .type_name("SCENE.gltf|glb");
-  command.footer("Targets of SH9 and DifMaps:\n" + export_format_lines(ExportAsset::distant) +
+  command
+      .add_option("--voxel-size", options->voxel_size_m,
+                  "For grids: metres between probes, which then fill the box around the grid along the world's axes")
+      .positive()
+      .type_name("M");
+  command.add_choice("--texels", options->texels,
+                     "For grids to bevy and sides: half floats, or 9 bits a channel with a shared exponent");
+  command.footer("Targets of SH9 and DifMaps:\n" + export_format_lines(ExportAsset::distant) + "Targets of grids:\n" +
+                 export_format_lines(ExportAsset::grid) +
                  "docs/export.md says how each is loaded, and what is lost.\n"
                  "\nExamples:\n"
                  "  ivory export sky.json --to three.js -o sky_probe.json\n"
-                 "  ivory export sky.json --to gltf --scene room.glb -o lit_room.glb");
-  set_action(command, common, Output::file, [options, &common] { run_export(*options, common); });
+                 "  ivory export sky.json --to gltf --scene room.glb -o lit_room.glb\n"
+                 "  ivory export room.vdb --to three.js -o room.ktx2\n"
+                 "  ivory export house.vdb --to bevy -o house.ktx2 --voxel-size 0.5");
+  set_action(command, common, Output::file, [options, command, &common] { run_export(*options, command, common); });
 }
 
 }  // namespace ivory
