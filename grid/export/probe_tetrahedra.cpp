@@ -1,5 +1,7 @@
 #include "grid/export/probe_tetrahedra.h"
 
+#include <algorithm>
+
 namespace ivory {
 
 namespace {
@@ -120,6 +122,52 @@ class Builder {
 ProbeTetrahedra probe_tetrahedra(const std::array<std::vector<float>, 3>& at, const V3f& origin,
                                  const std::array<V3f, 3>& axes) {
   return Builder(at, origin, axes).take();
+}
+
+VolumeTetrahedra volume_tetrahedra(const ProbeVolume& volume) {
+  const GridFrame& frame = volume.frame;
+  Axes at;
+  std::array<V3f, 3> axes;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<float>& places = at[std::size_t(axis)];
+    places.push_back(-0.5F);
+    for (int i = 0; i < frame.size[axis]; ++i) places.push_back(float(i));
+    places.push_back(float(frame.size[axis]) - 0.5F);
+    V3f unit(0, 0, 0);
+    unit[axis] = frame.spacing_m[axis];
+    axes[std::size_t(axis)] = frame.direction_to_world(unit);
+  }
+  VolumeTetrahedra out{probe_tetrahedra(at, frame.origin_m, axes), {}};
+  const auto inside = [](int i, int size) { return std::clamp(i - 1, 0, size - 1); };
+  for (int k = 0; k < frame.size.z + 2; ++k)
+    for (int j = 0; j < frame.size.y + 2; ++j)
+      for (int i = 0; i < frame.size.x + 2; ++i)
+        out.sh.push_back(
+            volume.sh[frame.vertex_index(inside(i, frame.size.x), inside(j, frame.size.y), inside(k, frame.size.z))]);
+  return out;
+}
+
+ProbeSh9 tap(const VolumeTetrahedra& volume, const V3f& p) {
+  std::int32_t node = 0;
+  while (node >= 0) {
+    const BspNode& at = volume.probes.nodes[std::size_t(node)];
+    node = at.normal.dot(p) > at.distance ? at.over : at.under;
+  }
+  const std::array<std::int32_t, 4>& corners = volume.probes.tetrahedra[std::size_t(-(node + 1))];
+  std::array<V3d, 4> to;
+  for (std::size_t i = 0; i < 4; ++i) to[i] = V3d(volume.probes.points[std::size_t(corners[i])]) - V3d(p);
+  const auto volume_of = [](const V3d& a, const V3d& b, const V3d& c) { return a.dot(b.cross(c)); };
+  // Signed volumes with p in place of each corner.
+  const std::array<double, 4> part{volume_of(to[1], to[2], to[3]), -volume_of(to[0], to[2], to[3]),
+                                   volume_of(to[0], to[1], to[3]), -volume_of(to[0], to[1], to[2])};
+  const double whole = part[0] + part[1] + part[2] + part[3];
+  ProbeSh9 sh;
+  sh.fill(V3f(0, 0, 0));
+  for (std::size_t i = 0; i < 4; ++i) {
+    const auto weight = float(std::clamp(part[i] / whole, 0.0, 1.0));
+    for (std::size_t k = 0; k < 9; ++k) sh[k] += volume.sh[std::size_t(corners[i])][k] * weight;
+  }
+  return sh;
 }
 
 }  // namespace ivory

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "grid/base/types.h"
+#include "grid/export/probe_volume.h"
 
 namespace ivory {
 
@@ -32,5 +33,18 @@ struct ProbeTetrahedra {
 // x, y, z are orthogonal.
 ProbeTetrahedra probe_tetrahedra(const std::array<std::vector<float>, 3>& at, const V3f& origin,
                                  const std::array<V3f, 3>& axes);
+
+// The probes of a volume as such points, relative to its anchor, with those of its outermost layers once more half a
+// cell farther out, where its cells end: what clamped look-ups read there. `sh` are theirs; the volume has nine
+// coefficients.
+struct VolumeTetrahedra {
+  ProbeTetrahedra probes;
+  std::vector<ProbeSh9> sh;  // [point]
+};
+VolumeTetrahedra volume_tetrahedra(const ProbeVolume& volume);
+
+// As Godot 4 reads them (LightStorage::lightmap_tap_sh_light()): the coefficients of the tetrahedron that holds p, by
+// barycentric coordinates, each clamped to 0 .. 1.
+ProbeSh9 tap(const VolumeTetrahedra& volume, const V3f& p);
 
 }  // namespace ivory

@@ -22,6 +22,7 @@ constexpr auto formats = std::to_array<ExportFormat>({
     {gltf, distant, ".glb", "", "the same for a binary scene"},
     {bevy, distant, ".ktx2", "", "cube map for EnvironmentMapLight"},
     {three_js, grid, ".ktx2", ".js .json", "LightProbeGrid's atlas, and a module that loads it"},
+    {godot, grid, ".tres", "", "LightmapGIData: light probes for moving objects"},
     {bevy, grid, ".ktx2", ".json", "IrradianceVolume"},
     {ExportTarget::sides, grid, ".ktx2", ".json", "plain 3D texture: E at six normals"},
     {ExportTarget::sh9, grid, ".ktx2", ".json", "plain 3D texture: nine coefficients"},

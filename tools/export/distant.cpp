@@ -42,9 +42,9 @@ void write_godot(const std::string& path, const DistantLight& light, bool force)
   const std::vector<float> ends{-godot_half_extent_m, godot_half_extent_m};
   const ProbeTetrahedra probes =
       probe_tetrahedra({ends, ends, ends}, V3f(0, 0, 0), {V3f(1, 0, 0), V3f(0, 1, 0), V3f(0, 0, 1)});
-  std::array<V3f, 9> sh;
+  ProbeSh9 sh;
   for (std::size_t i = 0; i < 9; ++i) sh[i] = V3f(light.sh.coefficients[i]);
-  write_godot_probes(path, probes, ProbeCoefficients(probes.points.size(), sh), light.metadata, force);
+  write_godot_probes(path, probes, std::vector<ProbeSh9>(probes.points.size(), sh), light.metadata, force);
 }
 
 }  // namespace

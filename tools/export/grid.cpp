@@ -1,12 +1,15 @@
 #include "tools/export/grid.h"
 
 #include <filesystem>
+#include <optional>
 #include <sstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "grid/base/error.h"
+#include "grid/export/probe_tetrahedra.h"
+#include "grid/io/export/godot.h"
 #include "grid/io/export/probe_volumes.h"
 #include "tools/cli/common.h"
 #include "tools/export/export.h"
@@ -32,6 +35,8 @@ ReaderKind reader_of(ExportTarget target) {
       return {.with_sh = true, .offset = 0.5F};
     case ExportTarget::bevy:
       return {.can_rotate = true};
+    case ExportTarget::godot:
+      return {.with_sh = true, .can_rotate = true};
     case ExportTarget::sh9:
       return {.with_sh = true};
     default:
@@ -59,7 +64,12 @@ void export_grid(const ExportOptions& options, const ExportFormat& format, const
   const IrradianceGrid grid = load_grid_vdb(options.asset);
   const ReaderKind kind = reader_of(format.target);
   const ProbeVolume volume = make_probe_volume(grid, {kind.can_rotate, kind.with_sh, options.voxel_size_m});
-  const ProbeReader reader = kind.with_sh ? sh9_reader(volume, kind.offset) : sides_reader(volume);
+  std::optional<VolumeTetrahedra> tetrahedra;
+  if (format.target == ExportTarget::godot) tetrahedra = volume_tetrahedra(volume);
+  const ProbeReader reader =
+      tetrahedra ? ProbeReader([&tetrahedra](const V3f& p, const V3f& n) { return irradiance(tap(*tetrahedra, p), n); })
+      : kind.with_sh ? sh9_reader(volume, kind.offset)
+                     : sides_reader(volume);
   ProbeExport about{std::string(name_of(format.target)), grid.light,
                     measure_reader(grid, volume, reader, kind.offset, loss_points, loss_seed), thin_walls(grid, volume),
                     grid.metadata};
@@ -71,6 +81,10 @@ void export_grid(const ExportOptions& options, const ExportFormat& format, const
       break;
     case ExportTarget::bevy:
       written = write_bevy_volume(options.output, volume, about, texels, common.force);
+      break;
+    case ExportTarget::godot:
+      write_godot_probes(options.output, tetrahedra->probes, tetrahedra->sh, grid.metadata, common.force);
+      written.format = Ktx2Format::rgba32f;
       break;
     case ExportTarget::sh9:
       written = write_sh9_volume(options.output, volume, about, common.force);
@@ -90,6 +104,7 @@ void export_grid(const ExportOptions& options, const ExportFormat& format, const
   result["texels"] = name_of_format(written.format);
   result["scale"] = written.scale;
   const V3i& n = volume.frame.size;
+  if (tetrahedra) result["node_position_m"] = {grid.anchor_m.x, grid.anchor_m.y, grid.anchor_m.z};
   std::string text = fmt::format("{}: {} x {} x {} probes, {}, {}\n", options.output, n.x, n.y, n.z,
                                  name_of_format(written.format), format_bytes(result["bytes"]));
   std::string beside_names;
@@ -97,6 +112,13 @@ void export_grid(const ExportOptions& options, const ExportFormat& format, const
   for (std::string extension; extensions >> extension;)
     beside_names += (beside_names.empty() ? "" : ", ") + beside(options.output, extension);
   if (!beside_names.empty()) text += "beside it: " + beside_names + "\n";
+  if (tetrahedra) {
+    text += fmt::format(
+        "{} points, {} tetrahedra; for objects with gi_mode dynamic, each lit as its box's centre is; the "
+        "node stands at {:g}, {:g}, {:g}\n",
+        tetrahedra->probes.points.size(), tetrahedra->probes.tetrahedra.size(), grid.anchor_m.x, grid.anchor_m.y,
+        grid.anchor_m.z);
+  }
   if (volume.resampled)
     text += fmt::format("resampled along the world's axes, {:.3g} x {:.3g} x {:.3g} m apart\n",
                         volume.frame.spacing_m.x, volume.frame.spacing_m.y, volume.frame.spacing_m.z);

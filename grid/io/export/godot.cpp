@@ -32,7 +32,7 @@ class PackedArray {
 
 }  // namespace
 
-void write_godot_probes(const std::string& path, const ProbeTetrahedra& probes, const ProbeCoefficients& sh,
+void write_godot_probes(const std::string& path, const ProbeTetrahedra& probes, const std::vector<ProbeSh9>& sh,
                         const Metadata& notes, bool force) {
   Box3f bounds;
   for (const V3f& p : probes.points) bounds.extendBy(p);

@@ -1,7 +1,6 @@
 // Light probes as a text resource of Godot 4: LightmapGIData.
 #pragma once
 
-#include <array>
 #include <string>
 #include <vector>
 
@@ -10,12 +9,9 @@
 
 namespace ivory {
 
-// Radiance coefficients of each point in ivory's order (sh9.h), in nits.
-using ProbeCoefficients = std::vector<std::array<V3f, 9>>;
-
 // What LightmapGIData::_set_probe_data() of scene/3d/lightmap_gi.cpp takes; `notes` become its metadata/ivory. Throws
 // Error as write_file() does.
-void write_godot_probes(const std::string& path, const ProbeTetrahedra& probes, const ProbeCoefficients& sh,
+void write_godot_probes(const std::string& path, const ProbeTetrahedra& probes, const std::vector<ProbeSh9>& sh,
                         const Metadata& notes, bool force);
 
 }  // namespace ivory
