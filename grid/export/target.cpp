@@ -26,6 +26,8 @@ constexpr auto formats = std::to_array<ExportFormat>({
     {bevy, grid, ".ktx2", ".json", "IrradianceVolume"},
     {ExportTarget::sides, grid, ".ktx2", ".json", "plain 3D texture: E at six normals"},
     {ExportTarget::sh9, grid, ".ktx2", ".json", "plain 3D texture: nine coefficients"},
+    {nanovdb, grid, ".nvdb", "", "NanoVDB: E at six normals"},
+    {usd, grid, ".usda", "", "a Volume of OpenVDBAsset fields, which names the .vdb file"},
 });
 
 }  // namespace

@@ -5,6 +5,9 @@
 #include <filesystem>
 #include <random>
 
+#include <nanovdb/util/IO.h>
+#include <nanovdb/util/SampleFromVoxels.h>
+
 #include "grid/env/sh9.h"
 #include "grid/field/guard.h"
 #include "grid/field/lookup.h"
@@ -276,6 +279,52 @@ TEST_F(ExportGrid, GodotShowsTheGrid) {
     EXPECT_LT(loss, 0.02) << rotated;
     EXPECT_NEAR(result["loss"]["in_the_open"].get<double>() / loss, 1, 0.35) << rotated;
   }
+}
+
+// By NanoVDB's own reader and sampler.
+TEST_F(ExportGrid, NanoVdbShowsTheGrid) {
+  for (const bool rotated : {false, true}) {
+    const IrradianceGrid grid = bake(scene(rotated ? "room_boxes_rotated.gltf" : "room_boxes.gltf"),
+                                     rotated ? "--resolution 12 --rotate-y 30" : "--resolution 12");
+    export_to("nanovdb", "room.nvdb");
+    const auto handles = nanovdb::io::readGrids(path("room.nvdb"));
+    ASSERT_EQ(handles.size(), 6U);
+    EXPECT_STREQ(handles[3].grid<nanovdb::Vec3f>()->gridName(), "E_my");
+    const auto reader = [&](const V3d& p, const V3d& n) {
+      const unsigned axis = n.x != 0 ? 0U : (n.y != 0 ? 1U : 2U);
+      const auto* volume = handles[2 * axis + (n[axis] < 0 ? 1U : 0U)].grid<nanovdb::Vec3f>();
+      EXPECT_NE(volume, nullptr);
+      const auto sampler = nanovdb::createSampler<1>(volume->tree());
+      const nanovdb::Vec3f e = sampler(volume->worldToIndexF(nanovdb::Vec3f(float(p.x), float(p.y), float(p.z))));
+      return V3d(e[0], e[1], e[2]);
+    };
+    // The basis' clamping between vertices.
+    EXPECT_LT(relative_rms(points_of(grid, true, 11), reader, [&](const Point& i) { return truth(grid, i.p, i.n); }),
+              0.01)
+        << rotated;
+  }
+}
+
+TEST_F(ExportGrid, UsdNamesTheFilesGrids) {
+  bake(scene("room_boxes.gltf"), "--resolution 4");
+  fs::create_directories(path("stage"));
+  const Json result = export_to("usd", "stage/room.usda");
+  EXPECT_EQ(result["fields"].size(), 22U);
+  const std::string stage = bytes_of(path("stage/room.usda"));
+  EXPECT_TRUE(stage.starts_with("#usda 1.0\n"));
+  EXPECT_NE(stage.find("upAxis = \"Y\""), std::string::npos);
+  for (const Json& field : result["fields"]) {
+    const auto name = field.get<std::string>();
+    EXPECT_NE(stage.find("rel field:" + name + " = </ivory/" + name + ">"), std::string::npos);
+    const bool scalar = name == "visible_fraction";
+    EXPECT_NE(stage.find("def OpenVDBAsset \"" + name +
+                         "\"\n    {\n        asset filePath = @../g.vdb@\n        token "
+                         "fieldName = \"" +
+                         name + "\"\n        token fieldDataType = \"" + (scalar ? "float" : "float3") + "\""),
+              std::string::npos)
+        << name;
+  }
+  expect_one_line("export " + path("g.vdb") + " --to usd --voxel-size 1 -o " + path("x.usda"), 2, "--voxel-size");
 }
 
 // Volumes of several levels, and turned ones where the reader cannot turn them, are resampled, and it is said.

@@ -1,6 +1,7 @@
 #include "tools/export/grid.h"
 
 #include <filesystem>
+#include <iterator>
 #include <optional>
 #include <sstream>
 
@@ -10,7 +11,9 @@
 #include "grid/base/error.h"
 #include "grid/export/probe_tetrahedra.h"
 #include "grid/io/export/godot.h"
+#include "grid/io/export/nanovdb.h"
 #include "grid/io/export/probe_volumes.h"
+#include "grid/io/export/usd.h"
 #include "tools/cli/common.h"
 #include "tools/export/export.h"
 #include "tools/input/vdb/load.h"
@@ -34,6 +37,7 @@ ReaderKind reader_of(ExportTarget target) {
     case ExportTarget::three_js:
       return {.with_sh = true, .offset = 0.5F};
     case ExportTarget::bevy:
+    case ExportTarget::nanovdb:
       return {.can_rotate = true};
     case ExportTarget::godot:
       return {.with_sh = true, .can_rotate = true};
@@ -56,9 +60,35 @@ const char* name_of_format(Ktx2Format format) {
   return "";
 }
 
+// The file that is there, named by a stage: nothing is read or filled.
+void export_usd(const ExportOptions& options, const CommonOptions& common) {
+  if (options.voxel_size_m) throw UsageError("--to usd names the grid's own file: --voxel-size does not go with it");
+  std::istringstream list(find_text(load_vdb_info(options.asset), "grids").value_or(""));
+  const std::vector<std::string> names{std::istream_iterator<std::string>(list), {}};
+  write_usd_volume(options.output, options.asset, names, common.force);
+  const auto bytes = std::filesystem::file_size(options.output);
+  print_result(
+      common,
+      {{"file", options.output},
+       {"kind", "export"},
+       {"target", "usd"},
+       {"asset", "grid"},
+       {"source", options.asset},
+       {"fields", names},
+       {"bytes", bytes}},
+      fmt::format(
+          "{}: a Volume of {} fields, which names {}\nits vectors lie in the grid's own frame, and walls are not "
+          "filled: look-ups are the reader's\n",
+          options.output, names.size(), options.asset));
+}
+
 }  // namespace
 
 void export_grid(const ExportOptions& options, const ExportFormat& format, const CommonOptions& common) {
+  if (format.target == ExportTarget::usd) {
+    export_usd(options, common);
+    return;
+  }
   std::istringstream extensions{std::string(format.beside)};
   for (std::string extension; extensions >> extension;) check_output(beside(options.output, extension), common);
   const IrradianceGrid grid = load_grid_vdb(options.asset);
@@ -84,6 +114,10 @@ void export_grid(const ExportOptions& options, const ExportFormat& format, const
       break;
     case ExportTarget::godot:
       write_godot_probes(options.output, tetrahedra->probes, tetrahedra->sh, grid.metadata, common.force);
+      written.format = Ktx2Format::rgba32f;
+      break;
+    case ExportTarget::nanovdb:
+      write_nanovdb(options.output, volume, common.force);
       written.format = Ktx2Format::rgba32f;
       break;
     case ExportTarget::sh9:
