@@ -17,11 +17,6 @@ constexpr double y2 = 1.09254843059207907;
 constexpr double y20 = 0.31539156525252001;
 constexpr double y22 = 0.54627421529603953;
 
-// The factor of each basis function, and the clamped cosine's coefficient of its band (eq. 9).
-constexpr std::array<double, 9> basis_factor{y0, y1, y1, y1, y2, y2, y20, y2, y22};
-constexpr std::array<double, 9> cosine{std::numbers::pi,         2 * std::numbers::pi / 3, 2 * std::numbers::pi / 3,
-                                       2 * std::numbers::pi / 3, std::numbers::pi / 4,     std::numbers::pi / 4,
-                                       std::numbers::pi / 4,     std::numbers::pi / 4,     std::numbers::pi / 4};
 constexpr int band(std::size_t i) { return i == 0 ? 0 : (i < 4 ? 1 : 2); }
 
 // min of n A n + 2 b n + c over the unit sphere. In A's own axes a Lagrange multiplier m gives n_i = -b_i / (a_i - m);
@@ -65,6 +60,15 @@ double least_on_sphere(Imath::M33d a, const V3d& b, double c) {
 
 }  // namespace
 
+const std::array<double, 9> sh9_factor{y0, y1, y1, y1, y2, y2, y20, y2, y22};
+const std::array<double, 9> sh9_cosine{std::numbers::pi,         2 * std::numbers::pi / 3, 2 * std::numbers::pi / 3,
+                                       2 * std::numbers::pi / 3, std::numbers::pi / 4,     std::numbers::pi / 4,
+                                       std::numbers::pi / 4,     std::numbers::pi / 4,     std::numbers::pi / 4};
+
+std::array<double, 9> sh9_polynomials(const V3d& w) {
+  return {1, w.y, w.z, w.x, w.x * w.y, w.y * w.z, 3 * w.z * w.z - 1, w.x * w.z, w.x * w.x - w.y * w.y};
+}
+
 Sh9 sh9_from_moments(const RadianceMoments& m) {
   Sh9 sh;
   sh.coefficients = {m.total * y0,
@@ -88,10 +92,9 @@ Sh9 truncated(const Sh9& sh, int order) {
 }
 
 V3d irradiance_polynomial(const Sh9& sh, const V3d& n) {
-  const std::array<double, 9> polynomial{
-      1, n.y, n.z, n.x, n.x * n.y, n.y * n.z, 3 * n.z * n.z - 1, n.x * n.z, n.x * n.x - n.y * n.y};
+  const std::array<double, 9> polynomial = sh9_polynomials(n);
   V3d sum(0, 0, 0);
-  for (std::size_t i = 0; i < 9; ++i) sum += sh.coefficients[i] * (cosine[i] * basis_factor[i] * polynomial[i]);
+  for (std::size_t i = 0; i < 9; ++i) sum += sh.coefficients[i] * (sh9_cosine[i] * sh9_factor[i] * polynomial[i]);
   return sum;
 }
 
@@ -177,7 +180,7 @@ Sh9Window least_window(const Sh9& sh) {
   for (std::size_t i = 1; i < 9; ++i) {
     for (int c = 0; c < 3; ++c) {
       if (sh.coefficients[0][c] == 0) continue;
-      const double e = cosine[i] * sh.coefficients[i][c] / (cosine[0] * sh.coefficients[0][c]);
+      const double e = sh9_cosine[i] * sh.coefficients[i][c] / (sh9_cosine[0] * sh.coefficients[0][c]);
       (band(i) == 1 ? power1 : power2) += e * e;
     }
   }
@@ -209,15 +212,6 @@ Sh9Window least_window(const Sh9& sh) {
     spacing /= 2;
   }
   return best;
-}
-
-std::array<V3d, 9> in_dialect(const Sh9& sh, Sh9Dialect dialect) {
-  std::array<V3d, 9> out = sh.coefficients;
-  for (std::size_t i = 0; i < 9; ++i) {
-    if (dialect == Sh9Dialect::filament) out[i] *= cosine[i] * basis_factor[i] / std::numbers::pi;
-    if (dialect == Sh9Dialect::ext_lights_image_based) out[i] *= cosine[i];
-  }
-  return out;
 }
 
 }  // namespace ivory

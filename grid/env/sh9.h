@@ -7,7 +7,6 @@
 
 #include <array>
 
-#include "grid/base/names.h"
 #include "grid/base/types.h"
 #include "grid/env/moments.h"
 
@@ -17,6 +16,13 @@ struct Sh9 {
   std::array<V3d, 9> coefficients{V3d(0, 0, 0), V3d(0, 0, 0), V3d(0, 0, 0), V3d(0, 0, 0), V3d(0, 0, 0),
                                   V3d(0, 0, 0), V3d(0, 0, 0), V3d(0, 0, 0), V3d(0, 0, 0)};  // RGB, nits sr^(1/2)
 };
+
+// The factor K of each basis function, so that Y_i(w) = K_i times 1, y, z, x, xy, yz, 3z^2 - 1, xz, x^2 - y^2 (eq. 3),
+// and those polynomials of a unit vector.
+extern const std::array<double, 9> sh9_factor;
+std::array<double, 9> sh9_polynomials(const V3d& w);
+// The clamped cosine's coefficient of each function's band: E_i = A_i L_i (eq. 9).
+extern const std::array<double, 9> sh9_cosine;
 
 // Eq. 10 by the moments of the map: the harmonics are quadratic polynomials of w.
 Sh9 sh9_from_moments(const RadianceMoments& moments);
@@ -53,23 +59,5 @@ Sh9Window hann_window(double width);
 // The factors that change E(n) least, in mean square over all normals (channels by their own mean E), of those after
 // which no channel is negative for any normal. Both are 1 where nothing is negative to begin with.
 Sh9Window least_window(const Sh9& sh);
-
-// --- what other engines read -----------------------------------------------------------------------------
-//
-// Filament          IndirectLight::Builder::irradiance(): E / pi, with the basis' factors folded in, so that
-//                   its shader sums sh[i] times 1, y, z, x, xy, yz, 3z^2 - 1, xz, x^2 - y^2
-// three.js          LightProbe, SphericalHarmonics3: the radiance coefficients as they are; getIrradianceAt()
-//                   applies eq. 13
-// EXT_lights_image_based   irradianceCoefficients: E_lm of eq. 4 and 7, E(n) = sum of E_lm Y_lm(n)
-enum class Sh9Dialect { ivory, filament, three_js, ext_lights_image_based };
-template <>
-inline constexpr auto name_table<Sh9Dialect> =
-    make_name_table<Sh9Dialect>("dialect", {{Sh9Dialect::ivory, "ivory"},
-                                            {Sh9Dialect::filament, "filament"},
-                                            {Sh9Dialect::three_js, "three.js"},
-                                            {Sh9Dialect::ext_lights_image_based, "EXT_lights_image_based"}});
-
-// The nine coefficients that the dialect's reader takes, from ivory's.
-std::array<V3d, 9> in_dialect(const Sh9& sh, Sh9Dialect dialect);
 
 }  // namespace ivory

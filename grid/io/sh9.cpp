@@ -132,39 +132,4 @@ Sh9Asset read_sh9(const std::string& path) {
 
 bool is_sh9_name(const std::string& path) { return lower_extension(path) == ".json"; }
 
-void write_sh9_dialect(const std::string& path, const Sh9Asset& asset, Sh9Dialect dialect, bool force) {
-  const std::array<V3d, 9> values = in_dialect(asset.sh, dialect);
-  Json extras{{"generator", std::string("ivory ") + IVORY_VERSION},
-              {"order", asset.order},
-              {"window", window_json(asset.window)},
-              {"average_error", asset.error.average},
-              {"maximum_error", asset.error.maximum}};
-  extras.update(to_json(asset.metadata));
-  Json json;
-  switch (dialect) {
-    case Sh9Dialect::ivory:
-      write_sh9(path, asset, force);
-      return;
-    case Sh9Dialect::filament:
-      extras["use"] =
-          "IndirectLight::Builder().irradiance(3, irradiance).intensity(1): already in lux over pi, world +Y up";
-      json = {{"irradiance", triples(values)}};
-      break;
-    case Sh9Dialect::three_js: {
-      Json flat = Json::array();
-      for (const V3d& v : values)
-        for (int c = 0; c < 3; ++c) flat.push_back(v[c]);
-      extras["use"] = "new THREE.LightProbe().fromJSON(this)";
-      json = {{"type", "LightProbe"}, {"intensity", 1}, {"sh", flat}};
-      break;
-    }
-    case Sh9Dialect::ext_lights_image_based:
-      extras["use"] = "coefficients of irradiance in the all-positive basis of Ramamoorthi & Hanrahan 2001";
-      json = {{"intensity", 1}, {"irradianceCoefficients", triples(values)}};
-      break;
-  }
-  json["extras"] = extras;
-  write_file(path, text_of(json), force);
-}
-
 }  // namespace ivory

@@ -29,11 +29,4 @@ Sh9Asset read_sh9(const std::string& path);
 // True for names that end in .json, in any case.
 bool is_sh9_name(const std::string& path);
 
-// What the dialect's reader takes, as small JSON files:
-//   filament                {"irradiance": 9 x 3}, for IndirectLight::Builder::irradiance(3, ...)
-//   three.js                {"type": "LightProbe", "intensity": 1, "sh": 27 numbers}, for LightProbe.fromJSON()
-//   EXT_lights_image_based  {"intensity": 1, "irradianceCoefficients": 9 x 3}, for the extension's light
-// all with an "extras" object that says where they come from. Throws as write_sh9 does.
-void write_sh9_dialect(const std::string& path, const Sh9Asset& asset, Sh9Dialect dialect, bool force);
-
 }  // namespace ivory

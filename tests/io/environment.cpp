@@ -13,6 +13,7 @@
 
 #include "grid/base/error.h"
 #include "grid/io/difmap.h"
+#include "grid/io/export/sh9_dialect.h"
 #include "grid/io/json.h"
 #include "grid/io/sh9.h"
 #include "tests/support/folder_test.h"
@@ -124,6 +125,10 @@ TEST_F(EnvironmentAssets, DialectsHaveTheirReadersShape) {
   EXPECT_EQ(t["type"], "LightProbe");
   EXPECT_EQ(t["sh"].size(), 27U);
   EXPECT_EQ(t["sh"][3 * 5 + 1], asset.sh.coefficients[5].y);
+  EXPECT_EQ(t["metadata"]["type"], "Object");  // what ObjectLoader takes
+  EXPECT_EQ(t["object"]["type"], "LightProbe");
+  EXPECT_EQ(t["object"]["sh"], t["sh"]);
+  EXPECT_EQ(t["object"]["uuid"].get<std::string>().size(), 36U);
   const auto e = in_dialect(asset.sh, Sh9Dialect::ext_lights_image_based);
   EXPECT_EQ(json("e.json")["irradianceCoefficients"][1][0], e[1].x);
   EXPECT_EQ(json("e.json")["intensity"], 1);

@@ -247,7 +247,7 @@ TEST_F(EnvironmentTools, BadInputIsOneLine) {
   expect_refused("bake sh9 " + good + json + " --order 1 --max-error 0.1", 2, "--max-error");
   for (const char* width : {"1.5", "-3", "nan", "inf", "auto2", "''", "2x"})
     expect_refused("bake sh9 " + good + json + " --window " + width, 2, "--window");
-  expect_refused("bake sh9 " + good + json + " --dialect unity", 2, "--dialect");
+  expect_refused("bake sh9 " + good + json + " --dialect unreal", 2, "--dialect");
   expect_refused("bake difmap " + good + exr + " --size 0", 2, "--size");
   expect_refused("bake difmap " + good + exr + " --size 5000", 2, "--size");
   expect_refused("bake sh9 " + path("missing.exr") + json, 1, "missing.exr");

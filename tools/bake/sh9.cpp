@@ -10,6 +10,7 @@
 #include "grid/base/error.h"
 #include "grid/env/irradiance.h"
 #include "grid/env/irradiance/error.h"
+#include "grid/io/export/sh9_dialect.h"
 #include "tools/bake/asset_contract.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"

@@ -15,6 +15,7 @@ void add_bake_sh9_command(Command bake, CommonOptions& common);
 void add_bake_fiv_command(Command bake, CommonOptions& common);
 void add_merge_command(Command app, CommonOptions& common);
 void add_mix_command(Command app, CommonOptions& common);
+void add_export_command(Command app, CommonOptions& common);
 void add_render_command(Command app, CommonOptions& common);
 void add_probe_command(Command app, CommonOptions& common);
 void add_points_command(Command app, CommonOptions& common);

@@ -61,6 +61,7 @@ ProgramEnd run(int argc, char** argv) {
   add_bake_fiv_command(bake, common);
   add_merge_command(program, common);
   add_mix_command(program, common);
+  add_export_command(program, common);
   add_probe_command(program, common);
   add_points_command(program, common);
   add_render_command(program, common);

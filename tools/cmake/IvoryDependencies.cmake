@@ -1,9 +1,6 @@
 # Every third party of what is built, found as a Debian 12 package.
 include(IvoryRuntimeDependencies)
 
-if(IVORY_BUILD_TRACER OR IVORY_BUILD_TESTS)
-  find_package(ZLIB REQUIRED)
-endif()
 pkg_check_modules(webp REQUIRED IMPORTED_TARGET libwebp)
 
 if(IVORY_BUILD_TRACER)
