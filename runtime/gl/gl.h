@@ -38,6 +38,8 @@ class Object {
 
   std::uint32_t id() const { return id_; }
   explicit operator bool() const { return id_ != 0; }
+  // No longer owned: the id is the caller's.
+  std::uint32_t release() { return std::exchange(id_, 0); }
 
  private:
   std::uint32_t id_ = 0;
@@ -132,12 +134,27 @@ class Program {
 
  private:
   friend Program make_program(const std::string&, std::string_view, std::string_view);
+  friend class BorrowedProgram;
   int location(const std::string& name);
   std::string full_name(const std::string& name) const;
 
   Object<Kind::program> object_;
   std::vector<int> slots_;  // the outermost first
   std::map<std::string, int> locations_;
+};
+
+// Another's linked program, for as long as this lives; it is not deleted. Knows no location yet, as the program may have
+// been linked anew since the last time.
+class BorrowedProgram {
+ public:
+  explicit BorrowedProgram(std::uint32_t id) { program_.object_ = Object<Kind::program>(id); }
+  BorrowedProgram(const BorrowedProgram&) = delete;
+  BorrowedProgram& operator=(const BorrowedProgram&) = delete;
+  ~BorrowedProgram() { program_.object_.release(); }
+  Program& program() { return program_; }
+
+ private:
+  Program program_;
 };
 
 // Compiles and links GLSL 3.30: adds the #version line to both sources and resolves their #include lines
