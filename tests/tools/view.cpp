@@ -87,7 +87,7 @@ TEST_F(ViewCommand, DrawsOtherMethodsAsRenderDoes) {
 TEST_F(ViewCommand, ImagesAreTakenForWhatTheirShapeSays) {
   const Json result = view(scene("plaza.gltf") + " " + scene("sky.hdr") + " --samples 1 -o " + path("e.png"));
   EXPECT_EQ(result.at("environment"), "sky.hdr");
-  EXPECT_EQ(result.at("objects").at(0).at("method"), "difmap");
+  EXPECT_EQ(result.at("objects").at(0).at("method"), "grid");
   view(room() + " --method constant --samples 1 -o " + path("reference.exr"));
   const Json compared =
       view(room() + " " + path("reference.exr") + " --method constant --samples 1 -o " + path("again.exr"));

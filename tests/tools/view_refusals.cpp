@@ -75,7 +75,7 @@ TEST_F(ViewBadFiles, ImpossibleCommandsAreUsageErrors) {
   expect_refused(room() + " --method sideways", 2, "sideways");
   expect_refused(room() + " --method-of knot=none", 2, "knot");
   expect_refused(room() + " " + grid() + " --guard rays", 2, "rays");
-  expect_refused(room() + " --debug vertices", 2, "grid");
+  expect_refused(room() + " --method none --debug vertices", 2, "grid");
   expect_refused(room() + " --debug difference", 2, "reference");
   expect_refused(room() + " --camera nobody", 2, "nobody");
   expect_refused(room() + " --path circle:1", 2, "--path");

@@ -13,8 +13,8 @@
 #include "tools/input/environment.h"
 #include "tools/input/scene.h"
 #include "tools/view/session/assets.h"
-#include "tools/view/world/extended_lights.h"
 #include "tools/view/session/settings.h"
+#include "tools/view/world/extended_lights.h"
 #include "tools/view/world/world.h"
 #include "tracer/core/film.h"
 

@@ -39,7 +39,7 @@ struct GridBakeParams {
   int max_bounces = 1000;
   Basis basis = Basis::vectors;
   Estimator estimator = Estimator::track;
-  Guard guard = Guard::rays;     // planes and rays store the compact guard; off stores and applies none
+  Guard guard = Guard::rays;          // planes and rays store the compact guard; off stores and applies none
   DirectSources include_direct = {};  // whose light is also stored as it comes straight from them; true: of all
   // Lights whose sums are kept apart, of the LitScene's lights; none: only the sums of all are kept. The photons, and
   // with them the sums of all, are the same.

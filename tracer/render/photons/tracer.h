@@ -30,7 +30,7 @@ struct PhotonArrival {
 };
 
 struct PhotonParams {
-  int max_bounces = 1000;        // Russian roulette ends paths long before; this bounds the time in a mirror box
+  int max_bounces = 1000;             // Russian roulette ends paths long before; this bounds the time in a mirror box
   DirectSources include_direct = {};  // also segments and arrivals that come straight from these; true: from all
   std::uint64_t seed = 1;
   std::optional<EmissionTarget> target = std::nullopt;      // where they are asked for; none: everywhere
