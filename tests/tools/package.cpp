@@ -37,21 +37,23 @@ TEST_F(Package, ExampleBuildsAgainstItAndDraws) {
 
   run("bake grid " + scene("cornell_box.gltf") + " -o " + path("room.vdb") + " --resolution 8 --photons 100k");
   const std::string xvfb = "xvfb-run -a -s '-screen 0 800x600x24' ";
-  ASSERT_EQ(shell(xvfb + path("build/ivory_example") + " " + path("room.vdb") + " 3"), 0) << bytes_of(path("log"));
-  // The ball hangs in the middle of the box, under its white light: neither black nor white, red and green near alike.
-  float red = 0;
-  float green = 0;
-  float blue = 0;
-  ASSERT_EQ(std::sscanf(bytes_of(path("log")).c_str(), "%f %f %f", &red, &green, &blue), 3) << bytes_of(path("log"));
-  for (const float channel : {red, green, blue}) {
-    EXPECT_GT(channel, 0.05F);
-    EXPECT_LE(channel, 1.0F);
-  }
-
-  // A file that is no grid: one line and exit code 1.
   std::ofstream(path("foreign.vdb")) << "not a grid";
-  EXPECT_NE(shell(xvfb + path("build/ivory_example") + " " + path("foreign.vdb") + " 3"), 0);
-  EXPECT_NE(bytes_of(path("log")).find("foreign.vdb"), std::string::npos) << bytes_of(path("log"));
+  for (const char* program : {"build/ivory_example ", "build/ivory_c_example "}) {
+    ASSERT_EQ(shell(xvfb + path(program) + path("room.vdb") + " 3"), 0) << bytes_of(path("log"));
+    // The ball hangs in the middle of the box, under its white light: neither black nor white, red and green near
+    // alike.
+    float red = 0;
+    float green = 0;
+    float blue = 0;
+    ASSERT_EQ(std::sscanf(bytes_of(path("log")).c_str(), "%f %f %f", &red, &green, &blue), 3) << bytes_of(path("log"));
+    for (const float channel : {red, green, blue}) {
+      EXPECT_GT(channel, 0.05F) << program;
+      EXPECT_LE(channel, 1.0F) << program;
+    }
+    // A file that is no grid: one line and exit code 1.
+    EXPECT_NE(shell(xvfb + path(program) + path("foreign.vdb") + " 3"), 0);
+    EXPECT_NE(bytes_of(path("log")).find("foreign.vdb"), std::string::npos) << bytes_of(path("log"));
+  }
 }
 
 // Another project adds ivory's folder to its own: it gets the libraries under their names, no tools and no tests.
