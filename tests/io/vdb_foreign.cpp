@@ -18,14 +18,14 @@ using namespace ivory::test;
 
 using Edit = std::function<void(openvdb::GridPtrVec&, openvdb::MetaMap&)>;
 
-// Writes a random grid with ivory, and again with OpenVDB after `edit`.
+// Writes a random grid with ivory, and again with OpenVDB after `edit`. `original` is what ivory's file holds: rounded.
 struct Resaved {
-  explicit Resaved(const std::string& test_name, const Edit& edit, Basis basis = Basis::vectors)
-      : original(random_grid(21, basis)) {
+  explicit Resaved(const std::string& test_name, const Edit& edit, Basis basis = Basis::vectors) {
     const auto folder = scratch_folder("foreign_" + test_name);
     const std::string source = folder / "ivory.vdb";
     path = folder / "resaved.vdb";
-    write_vdb(source, original, false);
+    write_vdb(source, random_grid(21, basis), false);
+    original = read_grid_vdb(source);
     openvdb::initialize();
     openvdb::io::File in(source);
     in.open(false);
