@@ -61,13 +61,13 @@ IrradianceGrid read_grid(OpenVdbFile& in, bool with_groups) {
   // At the peak there are the values as stored, the moments made of them, visible fraction and guard, and what was
   // read of groups before; or, the values gone, the variance three times over (OpenVDB's grid, as floats, in its
   // place), which is never more.
-  // Each thread reads a grid.
+  // Each thread reads a grid; one is reckoned with anyway.
   const std::size_t at_once =
       std::min(vector_fields(basis).size(), std::size_t(tbb::this_task_arena::max_concurrency()));
   ReadVertices read =
       read_vertices(in, basis,
-                    moment_bytes + std::size_t(file_stride(basis)) * sizeof(float) + at_once * sizeof(openvdb::Vec3s) +
-                        groups.size() * (moment_bytes + sizeof(Rgb)));
+                    moment_bytes + std::size_t(file_stride(basis)) * sizeof(float) +
+                        (at_once - 1) * sizeof(openvdb::Vec3s) + groups.size() * (moment_bytes + sizeof(Rgb)));
   StoredMoments all = read_moments(in, read, basis, "");
   std::vector<GridGroup> of_groups;
   of_groups.reserve(groups.size());
