@@ -32,6 +32,12 @@ OpenVdbFile::OpenVdbFile(std::string shown_path, const std::string& name) : path
   }
 }
 
+std::unique_ptr<openvdb::io::File> OpenVdbFile::another() const {
+  auto opened = std::make_unique<openvdb::io::File>(file.filename());
+  opened->open(/*delayLoad=*/false);
+  return opened;
+}
+
 Error OpenVdbFile::missing(const std::string& what) const {
   return Error(path, "lacks or misstates " + what, read_remedy);
 }

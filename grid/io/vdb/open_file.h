@@ -3,6 +3,7 @@
 #pragma once
 
 #include <exception>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -59,8 +60,14 @@ struct OpenVdbFile {
   template <typename Grid>
   typename Grid::Ptr grid(const std::string& grid_name, const GridFrame& frame,
                           const openvdb::math::Transform* transform) {
-    if (!file.hasGrid(grid_name)) throw missing("grid " + grid_name);
-    auto typed = openvdb::gridPtrCast<Grid>(file.readGrid(grid_name));
+    return grid<Grid>(file, grid_name, frame, transform);
+  }
+  // The same from another(): each thread has its own.
+  template <typename Grid>
+  typename Grid::Ptr grid(openvdb::io::File& from, const std::string& grid_name, const GridFrame& frame,
+                          const openvdb::math::Transform* transform) const {
+    if (!from.hasGrid(grid_name)) throw missing("grid " + grid_name);
+    auto typed = openvdb::gridPtrCast<Grid>(from.readGrid(grid_name));
     if (!typed) throw Error(path, "grid " + grid_name + " has another type of value", read_remedy);
     const openvdb::CoordBBox box(openvdb::Coord(0),
                                  openvdb::Coord(frame.size.x, frame.size.y, frame.size.z).offsetBy(-1));
@@ -71,6 +78,9 @@ struct OpenVdbFile {
       throw Error(path, "its grids have different transforms", "move all grids of the file together");
     return typed;
   }
+
+  // The file once more.
+  std::unique_ptr<openvdb::io::File> another() const;
 
   std::string path;  // for messages
   openvdb::io::File file;

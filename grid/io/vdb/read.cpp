@@ -6,6 +6,9 @@
 
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
 
 #include "grid/base/anchor.h"
 #include "grid/base/error.h"
@@ -18,22 +21,35 @@ namespace ivory {
 namespace {
 
 // Of all lights, or of a group.
-StoredMoments read_moments(OpenVdbFile& in, const ReadVertices& read, Basis basis, const std::string& group) {
+StoredMoments read_moments(const OpenVdbFile& in, const ReadVertices& read, Basis basis, const std::string& group) {
   const std::size_t count = read.vertices.vertex_count();
-  const auto stride = std::size_t(file_stride(basis));
+  const auto file_floats = std::size_t(file_stride(basis));
+  const auto stride = std::size_t(function_count(basis)) * 3;
+  const std::vector<VectorField> fields = vector_fields(basis);
   StoredMoments stored;
   {
-    std::vector<float> values(count * stride);
-    constexpr float any = -std::numeric_limits<float>::infinity();
-    for (const VectorField& field : vector_fields(basis))
-      read_vectors(in, in_group(group, field.name), read, any, field.offset, stride, values.data());
-    stored.moments = moments_from_file_values(basis, values);
+    std::vector<std::string> names;
+    for (const VectorField& field : fields) names.push_back(in_group(group, field.name));
+    const auto vectors = read_vectors(in, names, read, -std::numeric_limits<float>::infinity());
+    stored.moments.resize(count * stride);
+    constexpr std::size_t at_once = 4096;
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, at_once), [&](const auto& range) {
+      std::vector<float> values(range.size() * file_floats);
+      for (std::size_t f = 0; f < fields.size(); ++f) {
+        for (std::size_t vertex = range.begin(); vertex < range.end(); ++vertex) {
+          for (std::size_t k = 0; k < 3; ++k)
+            values[(vertex - range.begin()) * file_floats + std::size_t(fields[f].offset[k])] =
+                vectors[f][3 * vertex + k];
+        }
+      }
+      const std::vector<float> moments = moments_from_file_values(basis, values);
+      std::copy(moments.begin(), moments.end(), stored.moments.begin() + std::ptrdiff_t(range.begin() * stride));
+    });
   }
-  std::vector<float> floats(count * 3);
-  read_vectors(in, in_group(group, variance_name), read, 0, {0, 1, 2}, 3, floats.data());
+  const std::vector<float> variance = std::move(read_vectors(in, {in_group(group, variance_name)}, read, 0).front());
   stored.variance.resize(count);
   for (std::size_t vertex = 0; vertex < count; ++vertex)
-    stored.variance[vertex] = Rgb(floats[3 * vertex], floats[3 * vertex + 1], floats[3 * vertex + 2]);
+    stored.variance[vertex] = Rgb(variance[3 * vertex], variance[3 * vertex + 1], variance[3 * vertex + 2]);
   return stored;
 }
 
@@ -45,9 +61,13 @@ IrradianceGrid read_grid(OpenVdbFile& in, bool with_groups) {
   // At the peak there are the values as stored, the moments made of them, visible fraction and guard, and what was
   // read of groups before; or, the values gone, the variance three times over (OpenVDB's grid, as floats, in its
   // place), which is never more.
-  ReadVertices read = read_vertices(
-      in, basis,
-      moment_bytes + std::size_t(file_stride(basis)) * sizeof(float) + groups.size() * (moment_bytes + sizeof(Rgb)));
+  // Each thread reads a grid; one is reckoned with anyway.
+  const std::size_t at_once =
+      std::min(vector_fields(basis).size(), std::size_t(tbb::this_task_arena::max_concurrency()));
+  ReadVertices read =
+      read_vertices(in, basis,
+                    moment_bytes + std::size_t(file_stride(basis)) * sizeof(float) +
+                        (at_once - 1) * sizeof(openvdb::Vec3s) + groups.size() * (moment_bytes + sizeof(Rgb)));
   StoredMoments all = read_moments(in, read, basis, "");
   std::vector<GridGroup> of_groups;
   of_groups.reserve(groups.size());
@@ -81,9 +101,9 @@ GridAccumulator read_accumulator(OpenVdbFile& in) {
   const auto read_sums = [&](const std::string& group) {
     std::vector<std::int64_t> sums(read.vertices.vertex_count() * stride, 0);
     for (std::size_t i = 0; i < stride; ++i) {
-      read_levels<openvdb::Int64Grid>(in, in_group(group, names[i]), read, [&](std::size_t vertex, std::int64_t value) {
-        sums[vertex * stride + i] = value;
-      });
+      read_levels<openvdb::Int64Grid>(
+          in, in.file, in_group(group, names[i]), read,
+          [&](std::size_t vertex, std::int64_t value) { sums[vertex * stride + i] = value; });
     }
     return sums;
   };

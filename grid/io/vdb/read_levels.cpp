@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
 
 #include "grid/base/error.h"
 #include "grid/base/memory.h"
@@ -117,15 +121,26 @@ void read_lattice(OpenVdbFile& in, std::size_t bytes_per_vertex, ReadVertices& r
 
 }  // namespace
 
-void read_vectors(OpenVdbFile& in, const std::string& grid_name, const ReadVertices& read, float least,
-                  const std::array<int, 3>& offset, std::size_t stride, float* values) {
-  read_levels<openvdb::Vec3SGrid>(in, grid_name, read, [&](std::size_t vertex, const openvdb::Vec3s& value) {
-    for (int i = 0; i < 3; ++i) {
-      if (!std::isfinite(value[i]) || value[i] < least)
-        throw Error(in.path, "grid " + grid_name + " holds a value that is not finite or negative", "bake it again");
-      values[vertex * stride + std::size_t(offset[std::size_t(i)])] = value[i];
-    }
+std::vector<std::vector<float>> read_vectors(const OpenVdbFile& in, const std::vector<std::string>& grid_names,
+                                             const ReadVertices& read, float least) {
+  std::vector<std::vector<float>> values(grid_names.size());
+  tbb::enumerable_thread_specific<std::unique_ptr<openvdb::io::File>> files;
+  tbb::parallel_for(std::size_t(0), grid_names.size(), [&](std::size_t i) {
+    std::unique_ptr<openvdb::io::File>& from = files.local();
+    if (!from) from = in.another();
+    std::vector<float>& out = values[i];
+    out.resize(3 * read.vertices.vertex_count());
+    read_levels<openvdb::Vec3SGrid>(
+        in, *from, grid_names[i], read, [&](std::size_t vertex, const openvdb::Vec3s& value) {
+          for (int k = 0; k < 3; ++k) {
+            if (!std::isfinite(value[k]) || value[k] < least)
+              throw Error(in.path, "grid " + grid_names[i] + " holds a value that is not finite or negative",
+                          "bake it again");
+            out[3 * vertex + std::size_t(k)] = value[k];
+          }
+        });
   });
+  return values;
 }
 
 ReadVertices read_vertices(OpenVdbFile& in, Basis basis, std::size_t bytes_per_vertex) {
@@ -140,13 +155,12 @@ ReadVertices read_vertices(OpenVdbFile& in, Basis basis, std::size_t bytes_per_v
   }
   read_lattice(in, kept_bytes_per_vertex + bytes_per_vertex, read);
   if (!in.file.hasGrid(guard_name(0))) return read;
-  std::vector<float> floats(out.vertex_count() * 6);
-  read_vectors(in, guard_name(0), read, 0, {0, 1, 2}, 6, floats.data());
-  read_vectors(in, guard_name(1), read, 0, {3, 4, 5}, 6, floats.data());
+  const std::vector<std::vector<float>> halves = read_vectors(in, {guard_name(0), guard_name(1)}, read, 0);
   out.guard.resize(out.vertex_count());
   for (std::size_t vertex = 0; vertex < out.guard.size(); ++vertex) {
     std::array<float, 6> six{};
-    std::copy_n(floats.begin() + std::ptrdiff_t(6 * vertex), 6, six.begin());
+    for (std::size_t half = 0; half < 2; ++half)
+      std::copy_n(halves[half].begin() + std::ptrdiff_t(3 * vertex), 3, six.begin() + std::ptrdiff_t(3 * half));
     const auto record = guard_from_floats(six);
     if (!record) throw in.missing("grid " + guard_name(0));
     out.guard[vertex] = *record;

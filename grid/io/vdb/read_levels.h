@@ -34,18 +34,19 @@ void for_each_vertex(const Grid& grid, const Lattice& lattice, int level, const 
 
 // The same of that grid of all levels.
 template <typename Grid, typename Take>
-void read_levels(OpenVdbFile& in, const std::string& grid_name, const ReadVertices& read, const Take& take) {
+void read_levels(const OpenVdbFile& in, openvdb::io::File& from, const std::string& grid_name, const ReadVertices& read,
+                 const Take& take) {
   for (int level = 0; level < read.vertices.levels(); ++level) {
-    const auto grid = in.grid<Grid>(grid_name + level_suffix(level), read.vertices.frame_of(level),
+    const auto grid = in.grid<Grid>(from, grid_name + level_suffix(level), read.vertices.frame_of(level),
                                     read.transforms[std::size_t(level)].get());
     for_each_vertex(*grid, read.vertices, level, take);
   }
 }
 
-// Components of Vec3f grids into floats at `offset`, `stride` apart. Throws Error for values that are not finite or
-// below `least`.
-void read_vectors(OpenVdbFile& in, const std::string& grid_name, const ReadVertices& read, float least,
-                  const std::array<int, 3>& offset, std::size_t stride, float* values);
+// Vec3f grids, each as [vertex][component], 0 where it is not active; on all threads. Throws Error for values that are
+// not finite or below `least`.
+std::vector<std::vector<float>> read_vectors(const OpenVdbFile& in, const std::vector<std::string>& grid_names,
+                                             const ReadVertices& read, float least);
 
 // Lattice, visible fractions, guard and metadata. `bytes_per_vertex` is what the caller needs at its peak besides them.
 // Throws Error where memory does not hold that, and where levels or guard are not whole.

@@ -187,8 +187,13 @@ TEST(Plan, IsTheCheapest) {
     EXPECT_EQ(given.photons, 2 * plan.photons);
     EXPECT_TRUE(given.meets);
   }
-  // Below what the basis allows nothing is promised.
-  EXPECT_FALSE(choose_plan(spacings, model, costs, {.aim = 0.003}).meets);
+  // Below what the basis allows nothing is promised, nor is the finest spacing paid for: what comes within a tenth of
+  // the least error that any reaches.
+  const Plan beyond = choose_plan(spacings, model, costs, {.aim = 0.003});
+  EXPECT_FALSE(beyond.meets);
+  const double least = std::hypot(1, 0.5) * model.bias(spacings.back().spacing_m);  // noise half of the bias
+  EXPECT_LE(beyond.error, 1.1 * least * 1.001);
+  EXPECT_LT(beyond.spacing + 1, spacings.size());
 }
 
 }  // namespace

@@ -25,10 +25,16 @@ float luminance_vector_length(const float* components) {  // [xyz][rgb]
   return v.length();
 }
 
+// First guesses need no more than some 100,000 of the vertices. Odd, so that all places within bricks have their turn.
+std::size_t guess_stride(const IrradianceGrid& grid) {
+  constexpr std::size_t enough = 100'000;
+  return grid.vertex_count() / enough | 1U;
+}
+
 float typical_vector(const IrradianceGrid& grid) {
   if (grid.basis != Basis::vectors) return 0;
   std::vector<float> lengths;
-  for (std::size_t v = 0; v < grid.vertex_count(); ++v) {
+  for (std::size_t v = 0; v < grid.vertex_count(); v += guess_stride(grid)) {
     if (grid.visible_fraction[v] <= 0) continue;
     const std::array<float, 54> vectors = hemispheres_from_moments(std::span<const float, 36>(grid.at(v), 36));
     for (std::size_t h = 0; h < 6; ++h) lengths.push_back(luminance_vector_length(vectors.data() + 9 * h));
@@ -43,7 +49,7 @@ float typical_vector(const IrradianceGrid& grid) {
 Rgb mean_irradiance(const IrradianceGrid& grid) {
   V3d sum(0, 0, 0);
   double count = 0;
-  for (std::size_t v = 0; v < grid.vertex_count(); ++v) {
+  for (std::size_t v = 0; v < grid.vertex_count(); v += guess_stride(grid)) {
     if (grid.visible_fraction[v] <= 0) continue;
     for (unsigned axis = 0; axis < 6; ++axis) {
       V3f n(0, 0, 0);

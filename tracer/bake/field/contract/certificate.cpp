@@ -188,8 +188,10 @@ std::optional<FieldCertificate> certify(const LitScene& lit, const IrradianceGri
       trial_paths * mean_over(trial.points, [](const MeasuredPoint& p) { return mean_of(p.point.truth.variance); });
   const double floor = 0.25 * params.target * params.target * mean_e * mean_e;
   constexpr double least_share = 0.002;  // of mean E, what is resolved where nothing was asked for
-  const double square = std::max({std::pow(root_mean_square(samples_of(trial.points)).error * mean_e, 2), floor,
-                                  std::pow(least_share * mean_e, 2)});
+  // By chance the trial may find far more than there is, and too few paths would then tell nothing of what there is.
+  const MeasuredError guess = root_mean_square(samples_of(trial.points));
+  const double surely = std::max(0.0, guess.error * guess.error - guess.square_standard_error);
+  const double square = std::max({surely * mean_e * mean_e, floor, std::pow(least_share * mean_e, 2)});
 
   FieldCertificate out;
   constexpr double least_paths = 64;

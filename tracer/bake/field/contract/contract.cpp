@@ -78,6 +78,11 @@ bool improve(ContractState& state, const ReachedError& reached) {
   if (state.chosen.spacing == before.spacing && state.chosen.photons <= before.photons) return false;
   constexpr double worth = 0.95;
   if (!state.chosen.meets && !(state.chosen.error < worth * error)) return false;
+  if (!can_afford(state)) {
+    state.note(fmt::format("error {:.2g} % is above {:.2g} %, but going on would take {:.2g} times the work so far",
+                           100 * error, 100 * state.params.target, *state.too_dear));
+    return false;
+  }
   state.note(fmt::format("error {:.2g} % is above {:.2g} %: going on", 100 * error, 100 * state.params.target));
   return true;
 }

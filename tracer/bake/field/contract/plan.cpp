@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace ivory {
 
@@ -38,7 +39,12 @@ ErrorModel fit_errors(const std::vector<PilotErrors>& pilots, double direction) 
 Plan choose_plan(const std::vector<Spacing>& spacings, const ErrorModel& errors, const CostModel& costs,
                  const PlanLimits& limits) {
   constexpr double most_photons = 1e12;
-  Plan best;
+  constexpr double nearly = 1.1;
+  struct Offer {
+    Plan plan;
+    bool within = true;  // the time
+  };
+  std::vector<Offer> offers;
   for (std::size_t i = 0; i < spacings.size(); ++i) {
     const Spacing& s = spacings[i];
     Plan plan;
@@ -67,15 +73,23 @@ Plan choose_plan(const std::vector<Spacing>& spacings, const ErrorModel& errors,
     plan.error = std::hypot(plan.bias, plan.noise);
     plan.seconds = seconds(photons);
     plan.meets = within && plan.error <= limits.aim * (1 + 1e-9);
-    // What is beyond the time counts only where nothing else is left: the cheapest of it.
-    const auto rank = [&](const Plan& p, bool p_within) {
-      return std::make_pair(p.meets ? 0 : p_within ? 1 : 2, p.meets || !p_within ? p.seconds : p.error);
-    };
-    const bool best_within =
-        best.photons != 0 && (best.meets || !limits.most_seconds || best.seconds <= *limits.most_seconds * (1 + 1e-9));
-    if (best.photons == 0 || rank(plan, within) < rank(best, best_within)) best = plan;
+    offers.push_back({plan, within});
   }
-  return best;
+  const auto cheapest = [&](const auto& counts) {
+    const Plan* best = nullptr;
+    for (const Offer& offer : offers) {
+      if (counts(offer) && (best == nullptr || offer.plan.seconds < best->seconds)) best = &offer.plan;
+    }
+    return best;
+  };
+  if (const Plan* best = cheapest([](const Offer& o) { return o.plan.meets; })) return *best;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Offer& offer : offers) {
+    if (offer.within) least = std::min(least, offer.plan.error);
+  }
+  if (const Plan* best = cheapest([&](const Offer& o) { return o.within && o.plan.error <= nearly * least; }))
+    return *best;
+  return *cheapest([](const Offer& /*offer*/) { return true; });
 }
 
 }  // namespace ivory

@@ -72,8 +72,8 @@ struct Plan {
   bool meets = false;  // is `aim` reached within the limits?
 };
 
-// The cheapest of the spacings that reaches the aim, with as many photons as it then needs; where none does, the one
-// that comes closest. `spacings` is not empty.
+// The cheapest of the spacings that reaches the aim, with as many photons as it then needs; where none does, the
+// cheapest that comes within a tenth of the least error: the rest is not worth any price. `spacings` is not empty.
 Plan choose_plan(const std::vector<Spacing>& spacings, const ErrorModel& errors, const CostModel& costs,
                  const PlanLimits& limits);
 

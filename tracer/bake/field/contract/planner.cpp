@@ -12,6 +12,9 @@
 namespace ivory {
 namespace {
 
+// Less than this on the cost model's machine nobody minds.
+constexpr double cheap_s = 30;
+
 // Do two halvings take less than a tenth off the bias each? Then something else than the spacing makes it, and finer
 // vertices would only cost.
 bool stalls(const ContractState& state) {
@@ -87,7 +90,8 @@ GridPlan describe(const ContractState& state) {
   const auto groups = state.params.bake.groups ? state.params.bake.groups->names.size() : 0;
   const double a_vertex = (12.0 * function_count(state.params.bake.basis) + 12) * double(1 + groups) + 4 + 16;
   const double file = a_vertex * state.at_hand.stored_share * double(plan.vertices);
-  plan.file_bytes = {0.6 * file, 0.9 * file, 1.2 * file};
+  // What rounding and compression leave: 51 bytes of 176 at 11 photons a vertex, 71 at 1,400.
+  plan.file_bytes = {0.2 * file, 0.35 * file, 0.7 * file};
   plan.meets = state.chosen.meets;
   if (!plan.meets) plan.limited_by = what_limits(state);
   plan.pilots = state.pilots;
@@ -131,6 +135,9 @@ GridPlan make_plan(ContractState& state) {
     if (stalls(state)) stop_refining(state);
     choose(state);
   }
+  // A plan's time is good to a factor of two; what takes three times as much was planned wrongly.
+  constexpr double patience = 3;
+  state.most_work = patience * (state.times.modelled + state.chosen.seconds);
   return describe(state);
 }
 
@@ -142,10 +149,36 @@ void choose(ContractState& state) {
                         at_hand ? double(state.at_hand.photons) : 0});
   }
   state.model = fit_errors(state.pilots, state.direction);
-  state.chosen = choose_plan(spacings, state.model, state.costs, plan_limits(state));
+  PlanLimits limits = plan_limits(state);
+  state.chosen = choose_plan(spacings, state.model, state.costs, limits);
+  state.too_dear.reset();
+  const bool is_planned = state.most_work > 0;  // later rounds have can_afford()
+  if (is_planned || limits.most_seconds || !state.chosen.meets || state.chosen.seconds < cheap_s) return;
+  // Work goes as the sixth to the eighth power of the error where nothing but spacing and photons makes it: a quarter
+  // more for a quarter to a sixth of the work. Where the rest costs more than that by far, something else bounds it.
+  constexpr double a_quarter_more = 1.25;
+  constexpr double too_much = 10;
+  limits.aim *= a_quarter_more;
+  Plan less = choose_plan(spacings, state.model, state.costs, limits);
+  if (!less.meets || state.chosen.seconds < too_much * less.seconds) return;
+  state.too_dear = state.chosen.seconds / std::max(less.seconds, 1.0);
+  less.meets = false;
+  state.chosen = less;
+}
+
+bool can_afford(ContractState& state) {
+  if (state.params.most_seconds || state.params.most_work) return true;  // bounds of their own
+  if (state.times.modelled + state.chosen.seconds <= std::max(state.most_work, cheap_s)) return true;
+  state.too_dear = state.chosen.seconds / state.times.modelled;
+  return false;
 }
 
 std::string what_limits(const ContractState& state) {
+  if (state.too_dear)
+    return fmt::format(
+        "its price: reaching what was asked for is reckoned to take {:.2g} times the work; --max-time "
+        "allows more",
+        *state.too_dear);
   if (state.model.direction > aim_of_target * state.params.target)
     return fmt::format("the directional basis, which alone is {:.2g} % off", 100 * state.model.direction);
   if (state.params.bake.photons != 0) return "the photons, whose number is given";

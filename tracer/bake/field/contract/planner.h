@@ -14,6 +14,9 @@ GridPlan make_plan(ContractState& state);
 // Chooses anew by state.pilots: sets state.model and state.chosen.
 void choose(ContractState& state);
 
+// Is what was chosen, on top of what was done, within what the first plan bears? Sets state.too_dear where it is not.
+bool can_afford(ContractState& state);
+
 // What keeps a bake from its target.
 std::string what_limits(const ContractState& state);
 

@@ -11,7 +11,10 @@ namespace {
 
 // Points that plans are made by are others than those that certificates are measured at.
 constexpr std::uint64_t planning_points_from = std::uint64_t(1) << 48U;
-constexpr std::size_t planning_points = 384;
+// Few points hold most of a grid's square error: where paths are few, many points are cheap.
+constexpr double least_points = 384;
+constexpr double most_points = 2048;
+constexpr double paths_of_all = 1'200'000;
 
 }  // namespace
 
@@ -38,8 +41,8 @@ PlanningPoints find_planning_points(const LitScene& lit, const Domain& domain, d
   variance /= weights;
   const double best = best_paths(variance, std::pow(target * e, 2));
   const int paths = int(std::clamp(best, 64.0, most_paths));
-  points.lit =
-      find_true_points(lit, domain, given ? 0 : few.next, given ? domain.size() : planning_points, paths, truth).lit;
+  const auto count = std::size_t(std::clamp(paths_of_all / paths, least_points, most_points));
+  points.lit = find_true_points(lit, domain, given ? 0 : few.next, given ? domain.size() : count, paths, truth).lit;
   weights = 0;
   for (const TruePoint& point : points.lit) {
     points.mean_e_lux += point.at.weight * mean_of(point.truth.e);

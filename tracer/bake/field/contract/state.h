@@ -70,6 +70,9 @@ struct ContractState {
   // What follows from it.
   ErrorModel model;
   Plan chosen;
+  // How many times as much work as was done, or is planned, the target would take, where that is too much.
+  std::optional<double> too_dear;
+  double most_work = 0;  // that all bakes together may take, on the cost model's machine: of the first plan
 
   const GridCandidate& chosen_candidate() const { return candidates.list[chosen.spacing]; }
 };
