@@ -57,7 +57,7 @@ GuardRecord ordered(const GuardRecord& record, bool lit) {
     words = {0, 0, 0, 1};
   } else {
     words.front() = 0;
-}
+  }
   return out;
 }
 
@@ -67,7 +67,7 @@ GpuGrid upload(const IrradianceGrid& grid, const GridUploadParams& params, const
   if (params.form == GridForm::norms_and_directions && grid.basis != Basis::vectors) {
     throw ParameterError("form",
                          fmt::format("norms and directions hold the basis vectors only, not {}", name_of(grid.basis)));
-}
+  }
   gl::require_context();
   GpuGrid out;
   out.frame = grid.frame;

@@ -143,8 +143,8 @@ class Program {
   std::map<std::string, int> locations_;
 };
 
-// Another's linked program, for as long as this lives; it is not deleted. Knows no location yet, as the program may have
-// been linked anew since the last time.
+// Another's linked program, for as long as this lives; it is not deleted. Knows no location yet, as the program may
+// have been linked anew since the last time.
 class BorrowedProgram {
  public:
   explicit BorrowedProgram(std::uint32_t id) { program_.object_ = Object<Kind::program>(id); }

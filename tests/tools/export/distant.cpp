@@ -9,103 +9,15 @@
 #include "grid/env/sh9.h"
 #include "grid/export/target.h"
 #include "grid/io/difmap.h"
-#include "grid/io/sh9.h"
-#include "tests/support/command_test.h"
-#include "tests/support/environment_pictures.h"
-#include "tests/support/ktx2_reader.h"
-#include "tests/support/node_reader.h"
-#include "tracer/image/file.h"
+#include "tests/tools/export/distant_fixture.h"
+#include "tests/tools/export/ktx2_reader.h"
+#include "tests/tools/export/node_reader.h"
 
 namespace ivory {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-
-const std::array<V3f, 6> axes{V3f(1, 0, 0), V3f(-1, 0, 0), V3f(0, 1, 0), V3f(0, -1, 0), V3f(0, 0, 1), V3f(0, 0, -1)};
-const std::array<Rgb, 6> colours{Rgb(9, 1, 1), Rgb(1, 9, 1), Rgb(1, 1, 9), Rgb(9, 9, 1), Rgb(9, 1, 9), Rgb(1, 9, 9)};
-
-// The colour of the axis that w is nearest to.
-Rgb six_colours(const V3d& w) {
-  std::size_t best = 0;
-  for (std::size_t i = 1; i < 6; ++i)
-    if (V3d(axes[i]).dot(w) > V3d(axes[best]).dot(w)) best = i;
-  return colours[best];
-}
-
-using Values = std::array<V3d, 9>;
-Values nine(const Json& list) {
-  Values out;
-  EXPECT_EQ(list.size(), 9U);
-  for (std::size_t i = 0; i < 9; ++i) out[i] = V3d(list[i][0], list[i][1], list[i][2]);
-  return out;
-}
-Values nine_flat(const Json& list) {
-  Values out;
-  EXPECT_EQ(list.size(), 27U);
-  for (std::size_t i = 0; i < 9; ++i) out[i] = V3d(list[3 * i], list[3 * i + 1], list[3 * i + 2]);
-  return out;
-}
-
-// Readers' sums of bare polynomials, of pre-scaled E / pi.
-V3d prescaled(const Values& sh, const V3d& n) {
-  return sh[0] + sh[1] * n.y + sh[2] * n.z + sh[3] * n.x + sh[4] * (n.x * n.y) + sh[5] * (n.y * n.z) +
-         sh[6] * (3 * n.z * n.z - 1) + sh[7] * (n.x * n.z) + sh[8] * (n.x * n.x - n.y * n.y);
-}
-// three.js: SphericalHarmonics3.getIrradianceAt(), over pi as its materials have it. Godot's capture in
-// scene_forward_clustered.glsl is the same sum with the same constants, of coefficients over pi.
-V3d irradiance_at(const Values& sh, const V3d& n) {
-  V3d e = sh[0] * 0.886227 + (sh[1] * n.y + sh[2] * n.z + sh[3] * n.x) * 1.023328;
-  e += (sh[4] * (n.x * n.y) + sh[5] * (n.y * n.z) + sh[7] * (n.x * n.z)) * 0.858086;
-  return e + sh[6] * (0.743125 * n.z * n.z - 0.247708) + sh[8] * (0.429043 * (n.x * n.x - n.y * n.y));
-}
-
-class ExportDistant : public CommandTest {
- protected:
-  void SetUp() override {
-    CommandTest::SetUp();
-    const Picture picture = make_picture(EnvironmentLayout::cube, 16, six_colours);
-    Film film;
-    film.width = picture.width;
-    film.height = picture.height;
-    film.pixels = picture.texels;
-    write_image(path("sky.exr"), film, 0, {}, true);
-    run("bake sh9 " + path("sky.exr") + " --order 2 -o " + path("sky.json"));
-    run("bake difmap " + path("sky.exr") + " --size 32 -o " + path("difmap.exr"));
-    sh_ = read_sh9(path("sky.json")).sh;
-  }
-  Json export_to(const std::string& target, const std::string& output, const std::string& more = {}) const {
-    return run("export " + path("sky.json") + " --to " + target + " -o " + path(output) + " " + more);
-  }
-  Json json(const std::string& name) const { return Json::parse(bytes_of(path(name)), nullptr, false); }
-
-  // E / pi as a reader has it at the normals of a glTF world, against ivory's; and each axis is lit by its own colour.
-  template <typename Reader>
-  void expect_sky(const char* reader, double tolerance, const Reader& e_over_pi) const {
-    for (std::size_t i = 0; i < 6; ++i) {
-      const V3d n(axes[i]);
-      const V3d e = e_over_pi(n);
-      const V3d expected = irradiance_polynomial(sh_, n) / 3.14159265358979323846;
-      for (int c = 0; c < 3; ++c) {
-        EXPECT_NEAR(e[c] / expected[c], 1, tolerance) << reader << " axis " << i << " channel " << c;
-        // Channels that the axis' colour has are brighter than those that it has not.
-        for (int k = 0; k < 3; ++k) {
-          if (colours[i][unsigned(c)] > colours[i][unsigned(k)]) {
-            EXPECT_GT(e[c], 1.3 * e[k]) << reader << " axis " << i;
-          }
-        }
-      }
-    }
-    // And between the axes.
-    const V3d n = V3d(0.48, 0.64, -0.6);
-    const V3d expected = irradiance_polynomial(sh_, n) / 3.14159265358979323846;
-    for (int c = 0; c < 3; ++c) EXPECT_NEAR(e_over_pi(n)[c] / expected[c], 1, tolerance) << reader;
-  }
-
-  Sh9 sh_;
-};
-
-constexpr double printed = 2e-5;  // readers' constants have six digits
 
 TEST_F(ExportDistant, EveryTargetOfNineLightsTheRightSide) {
   const auto mirrored = [](const V3d& n) { return V3d(-n.x, n.y, n.z); };
@@ -171,88 +83,6 @@ TEST_F(ExportDistant, EveryTargetOfNineLightsTheRightSide) {
   for (std::size_t i = 0; i < 9; ++i) godot[i] = V3d(colour[4 * i], colour[4 * i + 1], colour[4 * i + 2]);
   expect_sky("godot", printed, [&](const V3d& n) { return irradiance_at(godot, n); });
   for (std::size_t i = 0; i < colour.size(); ++i) EXPECT_EQ(colour[i], colour[i % 36]);
-}
-
-// KTX1: what Ktx1Bundle takes for the harmonics, and the cube beside it.
-TEST_F(ExportDistant, FilamentReadsKtx) {
-  export_to("filament", "sky.ktx");
-  const std::string bytes = bytes_of(path("sky.ktx"));
-  const std::size_t notes = number_at(bytes, 60, 4);
-  const std::string pair = bytes.substr(68, number_at(bytes, 64, 4));
-  ASSERT_EQ(pair.substr(0, 3), std::string("sh\0", 3));
-  std::istringstream numbers(pair.substr(3));
-  Values sh;
-  for (V3d& v : sh) ASSERT_TRUE(numbers >> v.x >> v.y >> v.z);
-  expect_sky("filament, KTX1", printed, [&](const V3d& n) { return prescaled(sh, n); });
-  // 16 + 8 + 4 + 2 + 1: the last level has a texel a face, the face's own direction. Six bits of mantissa, five in
-  // blue.
-  const std::size_t last = 64 + notes + 4 * 4 + 6 * 4 * (256 + 64 + 16 + 4) + 4;
-  ASSERT_EQ(bytes.size(), last + 24);
-  for (std::size_t i = 0; i < 6; ++i) {
-    const auto word = std::uint32_t(number_at(bytes, last + 4 * i, 4));
-    half red;
-    red.setBits(std::uint16_t((word & 0x7FFU) << 4U));
-    EXPECT_NEAR(float(red) / (irradiance_polynomial(sh_, V3d(axes[i])).x / 3.14159265), 1, 1.0 / 64);
-  }
-}
-
-// What a shader reads at direction d of a cube, nearest texel: Vulkan 1.3 section 16.5.4.
-V4f cube_texel_at(const Ktx2Read& file, const V3d& d) {
-  const V3d a(std::abs(d.x), std::abs(d.y), std::abs(d.z));
-  int face = 0;
-  double s = 0;
-  double t = 0;
-  double m = 1;
-  if (a.x >= a.y && a.x >= a.z) {
-    face = d.x > 0 ? 0 : 1;
-    s = d.x > 0 ? -d.z : d.z;
-    t = -d.y;
-    m = a.x;
-  } else if (a.y >= a.z) {
-    face = d.y > 0 ? 2 : 3;
-    s = d.x;
-    t = d.y > 0 ? d.z : -d.z;
-    m = a.y;
-  } else {
-    face = d.z > 0 ? 4 : 5;
-    s = d.z > 0 ? d.x : -d.x;
-    t = -d.y;
-    m = a.z;
-  }
-  const int size = int(file.width);
-  const auto index = [&](double x) { return std::min(int((0.5 * x / m + 0.5) * size), size - 1); };
-  return ktx2_texel(file, std::size_t((face * size + index(t)) * size + index(s)));
-}
-
-TEST_F(ExportDistant, BevyReadsTheCube) {
-  const Json result = export_to("bevy", "sky.ktx2");
-  EXPECT_EQ(result["intensity"], 1);
-  const Ktx2Read file = read_ktx2(bytes_of(path("sky.ktx2")));
-  EXPECT_EQ(file.vk_format, 97U);
-  EXPECT_EQ(file.faces, 6U);
-  // environment_map.wesl: radiance = sample(n.x, n.y, -n.z) * intensity. Here the nearest texel answers, whose centre
-  // is up to 0.044 off, and E / pi of this sky changes by up to 1.3 of itself a radian.
-  expect_sky("bevy", 0.06, [&](const V3d& n) {
-    const V4f texel = cube_texel_at(file, V3d(n.x, n.y, -n.z));
-    return V3d(texel.x, texel.y, texel.z);
-  });
-  // A bright sky is scaled so that halves hold it.
-  Json bright = json("sky.json");
-  for (const char* key : {"coefficients", "matrices"}) {
-    for (Json& row : bright[key])
-      for (Json& entry : row) {
-        if (entry.is_number())
-          entry = 1e5 * entry.get<double>();
-        else
-          for (Json& number : entry) number = 1e5 * number.get<double>();
-      }
-  }
-  std::ofstream(path("bright.json")) << bright;
-  const Json scaled = run("export " + path("bright.json") + " --to bevy -o " + path("bright.ktx2"));
-  const double intensity = scaled["intensity"];
-  EXPECT_GT(intensity, 1);
-  const Ktx2Read bright_file = read_ktx2(bytes_of(path("bright.ktx2")));
-  EXPECT_NEAR(ktx2_texel(bright_file, 7).x * intensity / (1e5 * ktx2_texel(file, 7).x), 1, 2e-3);  // two halves' steps
 }
 
 // A DifMap loses something on the way to nine coefficients, and says how much; Bevy's cube is the map itself.

@@ -9,93 +9,16 @@
 #include <nanovdb/util/SampleFromVoxels.h>
 
 #include "grid/env/sh9.h"
-#include "grid/field/guard.h"
-#include "grid/field/lookup.h"
-#include "grid/io/vdb/vdb.h"
-#include "tests/support/command_test.h"
 #include "tests/support/gltf_builder.h"
-#include "tests/support/node_reader.h"
-#include "tests/support/probe_files.h"
+#include "tests/tools/export/grid_fixture.h"
+#include "tests/tools/export/node_reader.h"
+#include "tests/tools/export/probe_files.h"
 
 namespace ivory {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
-
-struct Point {
-  V3f p;
-  V3f n;
-};
-
-V3f random_direction(std::mt19937& random) {
-  std::normal_distribution<float> normal;
-  return V3f(normal(random), normal(random), normal(random)).normalized();
-}
-
-// Do all eight vertices around p know light, and see p and each other?
-bool in_the_open(const IrradianceGrid& grid, const V3f& p) {
-  const V3f index = grid.frame.to_index(p);
-  for (int axis = 0; axis < 3; ++axis)
-    if (index[axis] < 0 || index[axis] > float(grid.frame.size[axis] - 1)) return false;
-  const Footprint footprint = make_footprint(grid.frame, p, Interpolation::trilinear);
-  for (std::size_t i = 0; i < 8; ++i) {
-    const std::uint32_t v = footprint.vertex[i];
-    const V3f at(grid.frame.vertex_coordinates(v));
-    if (grid.visible_fraction[v] < 0.25F || hidden_by(grid.guard[v], index - at) > 0) return false;
-    for (std::size_t k = 0; k < 8; ++k)
-      if (hidden_by(grid.guard[v], V3f(grid.frame.vertex_coordinates(footprint.vertex[k])) - at) > 0) return false;
-    if (is_black(irradiance(grid, footprint, V3f(0, 1, 0), Reconstruction::optimal))) return false;
-  }
-  return true;
-}
-
-class ExportGrid : public CommandTest {
- protected:
-  IrradianceGrid bake(const std::string& scene_file, const std::string& options) const {
-    run("bake grid " + scene_file + " -o " + path("g.vdb") + " --force --photons 300k " + options);
-    return read_grid_vdb(path("g.vdb"));
-  }
-  Json export_to(const std::string& target, const std::string& output, const std::string& more = {}) const {
-    return run("export " + path("g.vdb") + " --to " + target + " -o " + path(output) + " --force " + more);
-  }
-  static Rgb truth(const IrradianceGrid& grid, const V3f& p, const V3f& n) {
-    LookupParams params;
-    params.nudge_voxels = 0;
-    return lookup_irradiance(grid, p, V3f(0, 0, 0), n, params);
-  }
-  // 200 points off the walls whose footprints, and those where three.js looks, are in the open.
-  static std::vector<Point> points_of(const IrradianceGrid& grid, bool along_axes, std::uint32_t seed) {
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<float> uniform(0, 1);
-    std::vector<Point> points;
-    for (int i = 0; i < 100000 && points.size() < 200; ++i) {
-      V3f index;
-      for (int axis = 0; axis < 3; ++axis) index[axis] = uniform(random) * float(grid.frame.size[axis] - 1);
-      const V3f p = grid.frame.to_world(index);
-      V3f n = random_direction(random);
-      if (along_axes) {
-        n = V3f(0, 0, 0);
-        n[i % 3] = i % 2 != 0 ? -1.0F : 1.0F;
-      }
-      if (in_the_open(grid, p) && in_the_open(grid, p + n * grid.frame.spacing_m * 0.5F)) points.push_back({p, n});
-    }
-    EXPECT_EQ(points.size(), 200U);
-    return points;
-  }
-  // RMS of reader(p, n), E in lux, less that of the grid at the same place, over mean E.
-  template <typename Reader, typename Truth>
-  static double relative_rms(const std::vector<Point>& points, const Reader& reader, const Truth& e_of) {
-    double squares = 0;
-    double sum = 0;
-    for (const Point& at : points) {
-      const V3d e(e_of(at));
-      squares += (reader(V3d(at.p), V3d(at.n)) - e).length2() / 3;
-      sum += (e.x + e.y + e.z) / 3;
-    }
-    return std::sqrt(squares / double(points.size())) / (sum / double(points.size()));
-  }
-};
 
 // Of a grid of nine coefficients three.js' volume holds everything: where it looks, half a cell along the normal, it
 // shows what ivory has there, to half floats and the clamping of each basis at 0.
@@ -188,97 +111,6 @@ TEST_F(ExportGrid, PlainVolumesAreAsTheirFilesSay) {
     return irradiance_polynomial(sh, n);
   };
   EXPECT_LT(relative_rms(points_of(grid, false, 7), reader, e_of), 0.01);
-}
-
-// A text resource's probes as Godot 4 taps them (LightStorage::lightmap_tap_sh_light() and the capture's part of
-// scene_forward_clustered.glsl), parsed from the text. It shows E / pi, times albedo.
-class GodotProbes {
- public:
-  explicit GodotProbes(const std::string& text)
-      : points_(list(text, "points")),
-        sh_(list(text, "sh")),
-        tetrahedra_(list(text, "tetrahedra")),
-        bsp_(list(text, "bsp")) {
-    EXPECT_EQ(sh_.size() / 36, points_.size() / 3);  // or LightmapGIData refuses them
-    EXPECT_EQ(tetrahedra_.size() % 4, 0U);
-    EXPECT_EQ(bsp_.size() % 6, 0U);
-  }
-  V3d e_over_pi(const V3d& p, const V3d& n) const {
-    int node = 0;
-    while (node >= 0) {
-      const double* at = &bsp_[std::size_t(6 * node)];
-      const auto plane = [&](int i) { return double(std::bit_cast<float>(std::int32_t(at[i]))); };
-      const bool over = plane(0) * p.x + plane(1) * p.y + plane(2) * p.z > plane(3);
-      const int next = int(over ? at[4] : at[5]);
-      EXPECT_TRUE(next < 0 || next > node);
-      node = next;
-    }
-    const std::size_t tetrahedron = std::size_t(std::abs(node) - 1);
-    std::array<V3d, 4> v;
-    std::array<std::size_t, 4> point{};
-    for (std::size_t i = 0; i < 4; ++i) {
-      point[i] = std::size_t(tetrahedra_[4 * tetrahedron + i]);
-      v[i] = V3d(points_[3 * point[i]], points_[3 * point[i] + 1], points_[3 * point[i] + 2]);
-    }
-    // Geometry3D::tetrahedron_get_barycentric_coords().
-    const V3d vap = p - v[0];
-    const V3d vbp = p - v[1];
-    const V3d vab = v[1] - v[0];
-    const V3d vac = v[2] - v[0];
-    const V3d vad = v[3] - v[0];
-    const V3d vbc = v[2] - v[1];
-    const V3d vbd = v[3] - v[1];
-    const double v6 = 1 / vab.dot(vac.cross(vad));
-    const std::array<double, 4> weight{vbp.dot(vbd.cross(vbc)) * v6, vap.dot(vac.cross(vad)) * v6,
-                                       vap.dot(vad.cross(vab)) * v6, vap.dot(vab.cross(vac)) * v6};
-    std::array<V3d, 9> c;
-    c.fill(V3d(0, 0, 0));
-    for (std::size_t i = 0; i < 4; ++i) {
-      const double w = std::clamp(weight[i], 0.0, 1.0);
-      for (std::size_t k = 0; k < 9; ++k) {
-        const double* colour = &sh_[36 * point[i] + 4 * k];
-        c[k] += V3d(colour[0], colour[1], colour[2]) * w;
-      }
-    }
-    V3d e = c[0] * 0.886227 + (c[1] * n.y + c[2] * n.z + c[3] * n.x) * 1.023327;
-    e += (c[4] * (n.x * n.y) + c[5] * (n.y * n.z) + c[7] * (n.x * n.z)) * 0.858086;
-    return e + c[6] * (0.247708 * (3 * n.z * n.z - 1)) + c[8] * (0.429043 * (n.x * n.x - n.y * n.y));
-  }
-
- private:
-  static std::vector<double> list(const std::string& text, const std::string& key) {
-    std::size_t at = text.find("\"" + key + "\": Packed");
-    at = text.find('(', at) + 1;
-    std::vector<double> out;
-    const char* next = text.c_str() + at;
-    for (char* end = nullptr; *next != ')'; next = *end == ',' ? end + 1 : end) out.push_back(std::strtod(next, &end));
-    return out;
-  }
-  std::vector<double> points_, sh_, tetrahedra_, bsp_;
-};
-
-TEST_F(ExportGrid, GodotShowsTheGrid) {
-  for (const bool rotated : {false, true}) {
-    const IrradianceGrid grid = bake(scene(rotated ? "room_boxes_rotated.gltf" : "room_boxes.gltf"),
-                                     std::string("--resolution 16 --basis sh9") + (rotated ? " --rotate-y 30" : ""));
-    const Json result = export_to("godot", "room.tres");
-    const GodotProbes probes(bytes_of(path("room.tres")));
-    // At the probes themselves all is held, to the float sums of a turned basis.
-    std::vector<Point> vertices;
-    for (const Point& point : points_of(grid, false, 9)) {
-      const V3f index = grid.frame.to_index(point.p);
-      vertices.push_back(
-          {grid.frame.to_world(V3f(std::round(index.x), std::round(index.y), std::round(index.z))), point.n});
-    }
-    const auto reader = [&](const V3d& p, const V3d& n) { return probes.e_over_pi(p, n) * 3.14159265358979; };
-    const auto e_of = [&](const Point& i) { return truth(grid, i.p, i.n); };
-    EXPECT_LT(relative_rms(vertices, reader, e_of), 1e-3) << rotated;
-    // Between them four corners of a cell answer where ivory asks eight: the format's loss, 1.2 % with the noise of so
-    // few photons.
-    const double loss = relative_rms(points_of(grid, false, 10), reader, e_of);
-    EXPECT_LT(loss, 0.02) << rotated;
-    EXPECT_NEAR(result["loss"]["in_the_open"].get<double>() / loss, 1, 0.35) << rotated;
-  }
 }
 
 // By NanoVDB's own reader and sampler.

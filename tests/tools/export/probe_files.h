@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tests/support/command_test.h"
-#include "tests/support/ktx2_reader.h"
+#include "tests/tools/export/ktx2_reader.h"
 
 namespace ivory {
 
