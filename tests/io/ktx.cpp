@@ -11,8 +11,8 @@
 #include "grid/io/ktx/ktx1.h"
 #include "grid/io/ktx/ktx2.h"
 #include "tests/support/folder_test.h"
-#include "tests/support/node_reader.h"
 #include "tests/tools/export/ktx2_reader.h"
+#include "tests/tools/export/node_reader.h"
 
 namespace ivory {
 namespace {

@@ -10,6 +10,8 @@
 namespace ivory {
 namespace {
 
+using Json = nlohmann::json;
+
 // KTX1: what Ktx1Bundle takes for the harmonics, and the cube beside it.
 TEST_F(ExportDistant, FilamentReadsKtx) {
   export_to("filament", "sky.ktx");
@@ -31,34 +33,6 @@ TEST_F(ExportDistant, FilamentReadsKtx) {
     red.setBits(std::uint16_t((word & 0x7FFU) << 4U));
     EXPECT_NEAR(float(red) / (irradiance_polynomial(sh_, V3d(axes[i])).x / 3.14159265), 1, 1.0 / 64);
   }
-}
-
-// What a shader reads at direction d of a cube, nearest texel: Vulkan 1.3 section 16.5.4.
-V4f cube_texel_at(const Ktx2Read& file, const V3d& d) {
-  const V3d a(std::abs(d.x), std::abs(d.y), std::abs(d.z));
-  int face = 0;
-  double s = 0;
-  double t = 0;
-  double m = 1;
-  if (a.x >= a.y && a.x >= a.z) {
-    face = d.x > 0 ? 0 : 1;
-    s = d.x > 0 ? -d.z : d.z;
-    t = -d.y;
-    m = a.x;
-  } else if (a.y >= a.z) {
-    face = d.y > 0 ? 2 : 3;
-    s = d.x;
-    t = d.y > 0 ? d.z : -d.z;
-    m = a.y;
-  } else {
-    face = d.z > 0 ? 4 : 5;
-    s = d.z > 0 ? d.x : -d.x;
-    t = -d.y;
-    m = a.z;
-  }
-  const int size = int(file.width);
-  const auto index = [&](double x) { return std::min(int((0.5 * x / m + 0.5) * size), size - 1); };
-  return ktx2_texel(file, std::size_t((face * size + index(t)) * size + index(s)));
 }
 
 TEST_F(ExportDistant, BevyReadsTheCube) {

@@ -9,6 +9,8 @@
 namespace ivory {
 namespace {
 
+using Json = nlohmann::json;
+
 // A text resource's probes as Godot 4 taps them (LightStorage::lightmap_tap_sh_light() and the capture's part of
 // scene_forward_clustered.glsl), parsed from the text. It shows E / pi, times albedo.
 class GodotProbes {
