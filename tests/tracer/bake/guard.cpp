@@ -215,5 +215,25 @@ TEST(Variance, PredictsTheSpreadOfBakes) {
   printf("predicted / measured variance %.2f\n", predicted / measured);
 }
 
+// A bake of less than a photon a vertex that goes on with more: which vertices are lit, and so their guard, is as it
+// was.
+TEST(GrowingBake, KeepsItsGuard) {
+  const Baked baked("room_boxes.gltf");
+  GridBakeParams params;
+  params.resolution = V3i(16, 10, 14);
+  params.photons = 1'000;
+  GridAccumulator first = bake_grid_sums(baked.lit, params);
+  params.pilot_for_photons = params.photons;
+  params.photons = 20'000;
+  params.photon_range = {{1'000, 20'000}};
+  GridAccumulator more = bake_grid_sums(baked.lit, params);
+  EXPECT_EQ(first.guard, more.guard);
+  first.metadata["photons"] = more.metadata["photons"];
+  std::vector<GridAccumulator> parts;
+  parts.push_back(std::move(first));
+  parts.push_back(std::move(more));
+  EXPECT_EQ(merge(std::move(parts), {"first", "more"}).photon_end, 20'000U);
+}
+
 }  // namespace
 }  // namespace ivory

@@ -141,10 +141,12 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
   std::vector<float> visible_fraction = visible_fractions(masks);
   std::vector<GuardRecord> guard;
   const Lights::Emission unguided = lit.lights.emission(emission_target(lattice.finest_frame(), params));
+  // What photons find out beforehand is found by as many whether the bake then ends or goes on.
+  const std::uint64_t pilot_photons = params.pilot_for_photons != 0 ? params.pilot_for_photons : photons;
   Pilot pilot{unguided, nullptr, std::nullopt};
   if (params.emission == EmissionMode::guided) {
     pilot = run_pilot(lit, lattice.finest_frame(), unguided,
-                      {.photons = params.pilot_for_photons != 0 ? params.pilot_for_photons : photons,
+                      {.photons = pilot_photons,
                        .max_bounces = params.max_bounces,
                        .include_direct = params.include_direct,
                        .seed = params.seed,
@@ -157,7 +159,7 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
                                   .window = pilot.window,
                                   .aim = pilot.aim});
   if (params.guard != Guard::off) {
-    const std::uint64_t scouts = std::min(photons, scout_photons_a_vertex * vertices);
+    const std::uint64_t scouts = std::min(pilot_photons, scout_photons_a_vertex * vertices);
     const std::vector<bool> reached = lit_vertices(tracer, lattice, masks, scouts);
     guard = fit_guard(lit.intersector, lattice, visible_fraction, reached);
   }

@@ -45,8 +45,8 @@ struct GridBakeParams {
   // with them the sums of all, are the same.
   std::optional<LightGroups> groups = std::nullopt;
   EmissionMode emission = EmissionMode::guided;  // changes no mean
-  // How many photons the pilot of a guided bake is made for; 0: `photons`. Bakes that differ in nothing but `photons`
-  // and their ranges have the same pilot where this is given, and their parts may be merged.
+  // How many photons the pilot of a guided bake and the search for lit vertices are made for; 0: `photons`. Bakes that
+  // differ in nothing but `photons` and their ranges have the same where this is given, and their parts may be merged.
   std::uint64_t pilot_for_photons = 0;
   std::uint64_t seed = 1;
   int threads = 0;                     // 0: all cores
