@@ -14,10 +14,12 @@ constexpr int least_size = 16;
 
 template <typename Visit>
 void for_normals(int size, const Visit& visit) {
-  for (int face = 0; face < cube_faces; ++face)
-    for (int row = 0; row < size; ++row)
+  for (int face = 0; face < cube_faces; ++face) {
+    for (int row = 0; row < size; ++row) {
       for (int column = 0; column < size; ++column)
         visit(cube_texel_direction(size, face, row, column), cube_texel_solid_angle(size, row, column));
+    }
+  }
 }
 
 }  // namespace
@@ -68,13 +70,15 @@ std::vector<Rgb> gpu_cube(int size, const std::function<Rgb(const V3f& d)>& texe
                                   {{0, 0, -1}, {-1, 0, 0}, {0, -1, 0}}}};
   std::vector<Rgb> out;
   out.reserve(std::size_t(6) * std::size_t(size) * std::size_t(size));
-  for (const Axes& face : axes)
-    for (int row = 0; row < size; ++row)
+  for (const Axes& face : axes) {
+    for (int row = 0; row < size; ++row) {
       for (int column = 0; column < size; ++column) {
         const float s = float(2 * column + 1 - size) / float(size);
         const float t = float(2 * row + 1 - size) / float(size);
         out.push_back(texel((face.forward + face.s * s + face.t * t).normalized()));
       }
+    }
+  }
   return out;
 }
 

@@ -116,9 +116,10 @@ SixSides fill_from(const ProbeVolume& volume, const Neighbours& neighbours) {
       return cosine < 1e-3F ? 0.0 : double(neighbour.weight * cosine * cosine);
     };
     if (mix_rooms(volume, neighbours.list(), side, in_front, sides[side])) continue;
-    if (neighbours.is_outermost())
+    if (neighbours.is_outermost()) {
       mix_rooms(
           volume, neighbours.list(), side, [](const Neighbour& n) { return double(n.weight); }, sides[side]);
+    }
   }
   return sides;
 }

@@ -15,12 +15,14 @@ class Builder {
  public:
   Builder(const Axes& at, const V3f& origin, const std::array<V3f, 3>& axes) : at_(at), origin_(origin), axes_(axes) {
     for (int i = 0; i < 3; ++i) size_[i] = int(at[std::size_t(i)].size());
-    for (int k = 0; k < size_.z; ++k)
+    for (int k = 0; k < size_.z; ++k) {
       for (int j = 0; j < size_.y; ++j)
         for (int i = 0; i < size_.x; ++i) out_.points.push_back(position(V3i(i, j, k)));
-    for (int k = 0; k + 1 < size_.z; ++k)
+    }
+    for (int k = 0; k + 1 < size_.z; ++k) {
       for (int j = 0; j + 1 < size_.y; ++j)
         for (int i = 0; i + 1 < size_.x; ++i) add_cell(V3i(i, j, k));
+    }
     add_cells(V3i(0, 0, 0), size_ - V3i(1, 1, 1));
   }
   ProbeTetrahedra take() { return std::move(out_); }
@@ -139,11 +141,14 @@ VolumeTetrahedra volume_tetrahedra(const ProbeVolume& volume) {
   }
   VolumeTetrahedra out{probe_tetrahedra(at, frame.origin_m, axes), {}};
   const auto inside = [](int i, int size) { return std::clamp(i - 1, 0, size - 1); };
-  for (int k = 0; k < frame.size.z + 2; ++k)
-    for (int j = 0; j < frame.size.y + 2; ++j)
-      for (int i = 0; i < frame.size.x + 2; ++i)
+  for (int k = 0; k < frame.size.z + 2; ++k) {
+    for (int j = 0; j < frame.size.y + 2; ++j) {
+      for (int i = 0; i < frame.size.x + 2; ++i) {
         out.sh.push_back(
             volume.sh[frame.vertex_index(inside(i, frame.size.x), inside(j, frame.size.y), inside(k, frame.size.z))]);
+      }
+    }
+  }
   return out;
 }
 

@@ -44,9 +44,10 @@ namespace {
 
 bool is_axis_aligned(const GridFrame& frame) {
   constexpr float rounding = 1e-6F;
-  for (int i = 0; i < 3; ++i)
+  for (int i = 0; i < 3; ++i) {
     for (int k = 0; k < 3; ++k)
       if (std::abs(frame.local_to_world[i][k] - (i == k ? 1.0F : 0.0F)) > rounding) return false;
+  }
   return true;
 }
 
@@ -66,9 +67,10 @@ GridFrame world_frame(const GridFrame& grid, const V3f& spacing) {
     constexpr double rounding = 1e-4;  // of the extent in voxels
     const double count = std::max(2.0, std::ceil(double(extent[axis]) / double(spacing[axis]) - rounding));
     probes *= count;
-    if (probes > most_probes)
+    if (probes > most_probes) {
       throw ParameterError("voxel_size", "the volume would have more than " + std::to_string(int(most_probes)) +
                                              " probes; ask for a larger one");
+    }
     frame.size[axis] = int(count);
     frame.spacing_m[axis] = extent[axis] / float(count);
     frame.origin_m[axis] = box.min[axis] + 0.5F * frame.spacing_m[axis];
@@ -97,9 +99,10 @@ ProbeSh9 project(const IrradianceGrid& grid, const Footprint& footprint) {
   Sh9 local;
   for (int entry = 0; entry < footprint.count; ++entry) {
     const float* moments = grid.at(footprint.vertex[std::size_t(entry)]);
-    for (int i = 0; i < function_count(grid.basis); ++i)
+    for (int i = 0; i < function_count(grid.basis); ++i) {
       local.coefficients[std::size_t(i)] +=
           V3d(moments[3 * i], moments[3 * i + 1], moments[3 * i + 2]) * double(footprint.weight[std::size_t(entry)]);
+    }
   }
   if (is_axis_aligned(grid.frame)) {
     ProbeSh9 sh;

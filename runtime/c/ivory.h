@@ -16,6 +16,7 @@
 extern "C" {
 #endif
 
+/* NOLINTBEGIN(modernize-use-using): this is C. */
 typedef struct ivory_light ivory_light;
 
 /* One line, "<file>: <cause>; <remedy>", about the last call of this thread that failed; "" where none has. Stays valid
@@ -82,6 +83,8 @@ typedef struct ivory_sphere_light {
  * frame. Returns 0. */
 int ivory_set_spheres(ivory_light* lobes, const ivory_sphere_light* lights, int light_count,
                       const ivory_sphere* occluders, int occluder_count);
+
+/* NOLINTEND(modernize-use-using) */
 
 #ifdef __cplusplus
 }

@@ -39,6 +39,7 @@ inline Prediction predicted_error(const MeasuredError& error) { return {error.lo
 // What this process has used at most so far.
 double peak_memory_bytes();
 
+// NOLINTNEXTLINE(bugprone-exception-escape): moving a JSON value does not throw, whatever its checks of itself may do.
 struct BakePlan {
   nlohmann::ordered_json knobs;  // by their options' names: {"size": 64}
   Prediction seconds;            // of what is still to be done, certificate included

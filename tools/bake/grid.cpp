@@ -140,14 +140,16 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
                                  params.photons));
   }
   const bool contract = has_contract(options.contract, params);
-  if (contract && params.levels > 1)
+  if (contract && params.levels > 1) {
     throw UsageError(
         "--levels: a bake to an error chooses its levels itself; give --voxel-size or --resolution and --photons "
         "instead of --target-error or --dry-run");
-  if (contract && params.include_direct && !params.include_direct.all())
+  }
+  if (contract && params.include_direct && !params.include_direct.all()) {
     throw UsageError(
         "--direct-of: an error is certified of all direct light or of none; give --voxel-size or "
         "--resolution, and --photons, instead of --target-error or --dry-run");
+  }
   params.max_memory_bytes = options.contract.most_memory_bytes;
   if (!options.contract.dry_run) check_output(options.output, ".vdb", common);
   if (!options.contract.report.empty() && !options.contract.dry_run)
@@ -164,10 +166,11 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
     // What a contract chooses has about that spacing, and memory bounds it.
     if (contract && !params.resolution && !params.voxel_size_m) return;
     check_grid_memory(scene, placed, params);
-    if (contract)
+    if (contract) {
       params.frame = placed.frame;
-    else
+    } else {
       params.lattice = placed;
+    }
   });
   if (!options.groups.empty()) params.groups = make_light_groups(input.lit.lights, *input.lit.scene, rules);
   if (contract) return run_contract(options, params, input, common);

@@ -240,7 +240,8 @@ std::vector<ReportView> report_views(const LitScene& lit, const IrradianceGrid& 
     Pixels pixels(std::size_t(view.width) * std::size_t(view.height));
     tbb::parallel_for(std::size_t(0), pixels.size(), [&](std::size_t i) {
       const auto width = std::size_t(view.width);
-      pixels[i] = look(lit, grid, certificate, lookup, view, V2f(float(i % width) + 0.5F, float(i / width) + 0.5F));
+      const std::size_t row = i / width;
+      pixels[i] = look(lit, grid, certificate, lookup, view, V2f(float(i % width) + 0.5F, float(row) + 0.5F));
     });
     ReportView shown{named.title, view.width, view.height, {}, {}};
     shown.pictures.push_back(light_picture(view, pixels));

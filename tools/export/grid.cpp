@@ -153,9 +153,10 @@ void export_grid(const ExportOptions& options, const ExportFormat& format, const
         tetrahedra->probes.points.size(), tetrahedra->probes.tetrahedra.size(), grid.anchor_m.x, grid.anchor_m.y,
         grid.anchor_m.z);
   }
-  if (volume.resampled)
+  if (volume.resampled) {
     text += fmt::format("resampled along the world's axes, {:.3g} x {:.3g} x {:.3g} m apart\n",
                         volume.frame.spacing_m.x, volume.frame.spacing_m.y, volume.frame.spacing_m.z);
+  }
   text +=
       fmt::format("probes: {} know light, {} without light of their own were filled from those in front, {} are dark\n",
                   volume.count(ProbeState::measured), volume.count(ProbeState::filled), volume.count(ProbeState::dark));
@@ -164,11 +165,12 @@ void export_grid(const ExportOptions& options, const ExportFormat& format, const
       "on surfaces ({})\n",
       100 * about.loss.in_the_open, about.loss.points_in_the_open, 100 * about.loss.on_surfaces,
       about.loss.points_on_surfaces);
-  if (about.thin_walls > 0)
+  if (about.thin_walls > 0) {
     text += fmt::format(
         "{} pairs of lit neighbours do not see each other: walls thinner than a cell, through which this reader "
         "leaks\n",
         about.thin_walls);
+  }
   if (written.scale != 1)
     text += fmt::format("stored is E / {:g}, and {:g} is the intensity\n", written.scale, written.scale);
   print_result(common, result, text);

@@ -45,9 +45,10 @@ inline Mesh make_quad(const V3f& corner, const V3f& a, const V3f& b, int materia
 // Box between two corners whose fronts look inward.
 inline Mesh make_room(const V3f& low, const V3f& high, int material) {
   Mesh mesh;
-  for (int i = 0; i < 8; ++i)
+  for (int i = 0; i < 8; ++i) {
     mesh.positions.push_back(
         {(i & 1) != 0 ? high.x : low.x, (i & 2) != 0 ? high.y : low.y, (i & 4) != 0 ? high.z : low.z});
+  }
   // Corners of each face, counter-clockwise as seen from inside.
   constexpr std::array<std::array<std::uint32_t, 4>, 6> faces{
       {{0, 2, 6, 4}, {1, 5, 7, 3}, {0, 4, 5, 1}, {2, 3, 7, 6}, {0, 1, 3, 2}, {4, 6, 7, 5}}};

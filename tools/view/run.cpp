@@ -83,10 +83,11 @@ ViewSession start_session(const ViewRun& run, const CommonOptions& common) {
   session.settings = run.settings;
   if (is_black(run.settings.constant_e_lux)) session.settings.constant_e_lux = default_constant(session);
   if (!run.reference.empty()) set_reference(session, run.reference, run.input.size);
-  if (run.method.empty() && run.methods_of.empty() && !is_lit_by_assets(session))
+  if (run.method.empty() && run.methods_of.empty() && !is_lit_by_assets(session)) {
     bake_default_grid(session, run.save_grid, common);
-  else if (!run.save_grid.empty())
+  } else if (!run.save_grid.empty()) {
     throw UsageError("--save-grid: no grid is baked where an asset or a method is given");
+  }
   choose_methods(session, run);
   for (const std::string& note : session.notes) print_note(common, note);
   session.notes.clear();

@@ -91,7 +91,7 @@ void generate_tangents(Mesh& mesh, const TextureUse& use) {
   const std::size_t vertices = mesh.positions.size();
   std::array<std::vector<V3f>, 2> sums{std::vector<V3f>(vertices, V3f(0)), std::vector<V3f>(vertices, V3f(0))};
   std::array<std::vector<char>, 2> touched{std::vector<char>(vertices, 0), std::vector<char>(vertices, 0)};
-  std::vector<char> side(mesh.triangles.size());
+  std::vector<unsigned char> side(mesh.triangles.size());
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
     const Triangle& t = mesh.triangles[k];
     const V3f e1 = mesh.positions[t.y] - mesh.positions[t.x];
@@ -113,7 +113,7 @@ void generate_tangents(Mesh& mesh, const TextureUse& use) {
   // A vertex of triangles of both orientations keeps the first and gets a twin for the second.
   std::vector<std::uint32_t> source(vertices);
   std::vector<std::uint32_t> twin(vertices, unused);
-  std::vector<char> side_of(vertices, 0);
+  std::vector<unsigned char> side_of(vertices, 0);
   for (std::size_t i = 0; i < vertices; ++i) {
     source[i] = std::uint32_t(i);
     side_of[i] = touched[0][i] != 0 ? 0 : 1;

@@ -20,9 +20,10 @@ void write_filament_text(const std::string& path, const DistantLight& light, boo
   constexpr std::array<const char*, 9> names{"L00", "L1-1", "L10", "L11", "L2-2", "L2-1", "L20", "L21", "L22"};
   const std::array<V3d, 9> values = in_dialect(light.sh, Sh9Dialect::filament);
   std::string out;
-  for (std::size_t i = 0; i < 9; ++i)
+  for (std::size_t i = 0; i < 9; ++i) {
     out += fmt::format("({:18.15f}, {:18.15f}, {:18.15f}); // {}, irradiance, pre-scaled base\n", values[i].x,
                        values[i].y, values[i].z, names[i]);
+  }
   write_file(path, out, force);
 }
 

@@ -16,10 +16,11 @@ namespace ivory {
 void check_texture_size(const Atlas& atlas) {
   constexpr int largest = 2048;
   const int most = std::max({atlas.size.x, atlas.size.y, atlas.size.z});
-  if (most > largest)
+  if (most > largest) {
     throw ParameterError("voxel_size", "the texture would have " + std::to_string(most) +
                                            " texels along a side, and 2048 is what all graphics cards take; ask for a "
                                            "larger one");
+  }
 }
 
 void write_atlas(const std::string& path, const Atlas& atlas, Ktx2Format format,

@@ -29,6 +29,7 @@ StoredMoments read_moments(const OpenVdbFile& in, const ReadVertices& read, Basi
   StoredMoments stored;
   {
     std::vector<std::string> names;
+    names.reserve(fields.size());
     for (const VectorField& field : fields) names.push_back(in_group(group, field.name));
     const auto vectors = read_vectors(in, names, read, -std::numeric_limits<float>::infinity());
     stored.moments.resize(count * stride);
@@ -37,9 +38,10 @@ StoredMoments read_moments(const OpenVdbFile& in, const ReadVertices& read, Basi
       std::vector<float> values(range.size() * file_floats);
       for (std::size_t f = 0; f < fields.size(); ++f) {
         for (std::size_t vertex = range.begin(); vertex < range.end(); ++vertex) {
-          for (std::size_t k = 0; k < 3; ++k)
+          for (std::size_t k = 0; k < 3; ++k) {
             values[(vertex - range.begin()) * file_floats + std::size_t(fields[f].offset[k])] =
                 vectors[f][3 * vertex + k];
+          }
         }
       }
       const std::vector<float> moments = moments_from_file_values(basis, values);

@@ -133,9 +133,10 @@ std::vector<std::vector<float>> read_vectors(const OpenVdbFile& in, const std::v
     read_levels<openvdb::Vec3SGrid>(
         in, *from, grid_names[i], read, [&](std::size_t vertex, const openvdb::Vec3s& value) {
           for (int k = 0; k < 3; ++k) {
-            if (!std::isfinite(value[k]) || value[k] < least)
+            if (!std::isfinite(value[k]) || value[k] < least) {
               throw Error(in.path, "grid " + grid_names[i] + " holds a value that is not finite or negative",
                           "bake it again");
+            }
             out[3 * vertex + std::size_t(k)] = value[k];
           }
         });

@@ -44,9 +44,10 @@ void require_inputs(const ViewSession& session, const ViewTarget& target) {
     throw ParameterError("debug", fmt::format("{}: {}", name_of(view), lack));
   if (view != DebugView::difference) return;
   const Film& film = session.reference->film;
-  if (film.width != target.width() || film.height != target.height())
+  if (film.width != target.width() || film.height != target.height()) {
     throw ParameterError("debug", fmt::format("difference: the reference is {} x {}, the picture {} x {}", film.width,
                                               film.height, target.width(), target.height()));
+  }
 }
 
 // The value that nearly all of the picture stays under, so that a few outliers do not make the rest dark.
@@ -116,11 +117,12 @@ void ViewFrame::update_punctual(ViewSession& session) {
   // Said again where it changes, not in every frame of what moves.
   if (const int without = punctual_.lights.unshadowed(); without != unshadowed_) {
     unshadowed_ = without;
-    if (without > 0)
+    if (without > 0) {
       session.notes.push_back(
           fmt::format("note: {} of the {} lights cast no shadow: shadow maps have {} layers, of "
                       "which a point light takes six",
                       without, session.direct.size(), max_shadow_layers));
+    }
   }
 }
 
@@ -205,10 +207,11 @@ ColorRange ViewFrame::color_range(const ViewSession& session, const ViewTarget& 
     range.greatest = *settings.range;
   } else if (settings.debug != DebugView::kept && settings.debug != DebugView::bracket) {
     const Film mean = target.read_mean();
-    if (settings.debug == DebugView::difference && session.reference->is_display)
+    if (settings.debug == DebugView::difference && session.reference->is_display) {
       range.greatest = 0.1F;
-    else
+    } else {
       range.greatest = greatest_value(settings.debug == DebugView::difference ? difference(session, mean) : mean);
+    }
   }
   range.least = range.is_signed ? -range.greatest : 0;
   return range;
@@ -220,10 +223,11 @@ void ViewFrame::draw_display(const ViewSession& session, ViewTarget& target) {
   if (is_false_color(settings)) {
     const ColorRange range = color_range(session, target);
     target.begin_display();
-    if (settings.debug == DebugView::difference)
+    if (settings.debug == DebugView::difference) {
       display_.draw_difference(target.mean(), session.reference->texture, session.reference->is_display, tone, range);
-    else
+    } else {
       display_.draw_false_color(target.mean(), range);
+    }
     return;
   }
   // E on a white surface leaves as E / pi.

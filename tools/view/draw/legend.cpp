@@ -1,6 +1,7 @@
 #include "tools/view/draw/legend.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <backends/imgui_impl_opengl3.h>
 #include <epoxy/gl.h>
@@ -24,7 +25,7 @@ void draw_legend(ImDrawList& list, const ColorRange& range, const std::string& t
   constexpr int steps = 128;
   for (int i = 0; i < steps; ++i) {
     const V3f c = color_at(map, (float(i) + 0.5F) / float(steps));
-    const auto byte = [](float x) { return int(x * 255 + 0.5F); };
+    const auto byte = [](float x) { return int(std::lround(x * 255)); };
     list.AddRectFilled({margin + width * float(i) / float(steps), bar_top},
                        {margin + width * float(i + 1) / float(steps), bar_top + bar},
                        IM_COL32(byte(c.x), byte(c.y), byte(c.z), 255));

@@ -21,9 +21,10 @@ void bake_default_grid(ViewSession& session, const std::string& save_grid, const
   if (session.environment_map) scene.environment = *session.environment_map;
   const LitScene lit = make_lit_scene(std::move(scene));
   if (lit.lights.empty()) {
-    if (!save_grid.empty())
+    if (!save_grid.empty()) {
       throw Error(session.world.scene().name, "has no light to bake, and no environment is given",
                   "give --env, or leave out --save-grid");
+    }
     session.notes.emplace_back("note: nothing shines, and no asset is given: give --env, a grid or another asset");
     return;
   }

@@ -95,9 +95,10 @@ std::string lacks(const ViewSession& session, ViewMethod method, std::size_t nth
     return "the scene has no spherical light (--sphere-light)";
   if (method == ViewMethod::none || method == ViewMethod::constant) return "";
   const ViewAsset* asset = asset_for(session, method, nth);
-  if (asset == nullptr)
+  if (asset == nullptr) {
     return nth == 0 ? fmt::format("no asset that method {} reads was given", name_of(method))
                     : fmt::format("{} assets for method {} are named, and {} given", nth + 1, name_of(method), nth);
+  }
   if (const auto* grid = std::get_if<GridAsset>(&asset->data);
       grid != nullptr && !reads(session.settings.lookup.reconstruction, grid->gpu.basis)) {
     return fmt::format("--reconstruction paper needs a grid of basis vectors, {} has {}", asset->path,

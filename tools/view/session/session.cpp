@@ -95,9 +95,10 @@ void find_extended_lights(ViewSession& session) {
 // Assets of another environment than the one behind show light that is not there.
 void note_environment(ViewSession& session, const ViewAsset& asset) {
   if (!session.environment_hash.empty() && !asset.environment_hash.empty() &&
-      asset.environment_hash != session.environment_hash)
+      asset.environment_hash != session.environment_hash) {
     session.notes.push_back(
         fmt::format("note: {} was baked for another environment than {}", asset.path, session.environment));
+  }
 }
 
 // Nodes that the file itself calls occluders (extras.ivory_occluder) are objects, and their tables assets.
@@ -182,9 +183,10 @@ ViewSession open_session(const SessionInput& input) {
   for (const std::string& text : input.spheres) {
     const std::size_t at = text.rfind('@');
     auto asset = load_view_asset(text.substr(0, at), FileKind::spheres, session.world.scene().anchor_m);
-    if (at != std::string::npos)
+    if (at != std::string::npos) {
       std::get<SphereSetAsset>(asset->data).offset_m =
           parse_vector3("--spheres", std::string_view(text).substr(at + 1));
+    }
     session.assets.push_back(std::move(asset));
   }
   if (!session.world.scene().sphere_lights.empty() && find_asset(session.assets, FileKind::lobes) == nullptr)
@@ -229,11 +231,12 @@ std::string add_file(ViewSession& session, const std::string& path, const std::o
       set_reference(session, path, size);
       return fmt::format("{} is the reference now", file_name(path));
     }
-    if (film.width != 2 * film.height)
+    if (film.width != 2 * film.height) {
       throw Error(path,
                   fmt::format("is {} x {}: neither a reference, of the picture's {} x {}, nor a lat-long map",
                               film.width, film.height, size.x, size.y),
                   "render the reference with the picture's --size; give other environment maps by --env");
+    }
     set_environment(session, {path, ""});
     find_extended_lights(session);
     return fmt::format("{} is the environment now", file_name(path));

@@ -132,11 +132,12 @@ void note_left_out(const Scene& scene, const std::set<int>& materials, std::vect
   if (uv_sets) notes.push_back(fmt::format("{}: textures of a third set of coordinates are left out", scene.name));
   if (lafortune)
     notes.push_back(fmt::format("{}: Lafortune lobes are left out: their materials reflect as glTF's say", scene.name));
-  if (glossy)
+  if (glossy) {
     notes.push_back(
         fmt::format("{}: what glossy surfaces reflect of indirect light is left out, and lights with extent are "
                     "reflected as blurred as their pieces are large",
                     scene.name));
+  }
 }
 
 }  // namespace
@@ -226,6 +227,7 @@ std::vector<RuntimeLight> strongest(const std::vector<RuntimeLight>& lights, std
   order.resize(count);
   std::sort(order.begin(), order.end());
   std::vector<RuntimeLight> kept;
+  kept.reserve(order.size());
   for (const std::size_t i : order) kept.push_back(lights[i]);
   return kept;
 }

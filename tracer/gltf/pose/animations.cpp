@@ -213,10 +213,15 @@ class Animator {
     end_s_ = std::max(end_s_, sampler.times.back());
     within_ = time_s_ >= double(begin_s_) && time_s_ <= double(end_s_);
     any_ = true;
-    if (path == "translation") node.translation = std::move(value);
-    if (path == "rotation") node.rotation = std::move(value);
-    if (path == "scale") node.scale = std::move(value);
-    if (path == "weights") node.weights = std::move(value);
+    if (path == "translation") {
+      node.translation = std::move(value);
+    } else if (path == "rotation") {
+      node.rotation = std::move(value);
+    } else if (path == "scale") {
+      node.scale = std::move(value);
+    } else if (path == "weights") {
+      node.weights = std::move(value);
+    }
   }
 
   Document& document_;

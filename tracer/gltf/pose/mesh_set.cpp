@@ -49,7 +49,7 @@ class Maker {
       if (!made) continue;
       indices.push_back(int(set_.meshes.size()));
       set_.meshes.push_back(std::move(made->mesh));
-      set_.world_origin.push_back(made->skinned ? std::optional(pose.skin->origin) : std::nullopt);
+      set_.world_origin.push_back(made->skinned && pose.skin ? std::optional(pose.skin->origin) : std::nullopt);
       const int material = document_.model.meshes[mesh].primitives[p].material;
       set_.unlit.push_back(is_unlit(document_, material) ? material : no_index);
     }

@@ -132,9 +132,10 @@ std::vector<PhotonArrival> trace(const LitScene& lit, const PhotonMapParams& par
   // The first batch tells how much room the others will take: twice while they are joined, and again while they are put
   // in order, by keys of 16 bytes.
   std::vector<PhotonArrival> first = trace_batch(0);
-  check_memory(lit.scene->name,
-               double(batches) * (double(first.size()) * (2 * sizeof(PhotonArrival) + 16) + sizeof first),
-               "ask for fewer photons");
+  check_memory(
+      lit.scene->name,
+      double(batches) * (double(first.size()) * (2 * sizeof(PhotonArrival) + 16) + sizeof(std::vector<PhotonArrival>)),
+      "ask for fewer photons");
   std::vector<std::vector<PhotonArrival>> arrivals(batches);
   arrivals[0] = std::move(first);
   std::mutex mutex;

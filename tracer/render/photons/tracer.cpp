@@ -68,6 +68,7 @@ void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLed
   const Scene& scene = *lit_.scene;
   const double units_a_lm = 1 / ledger_unit_lm_;
   const auto units = [&](const Rgb& power) {
+    // No power is negative, and llround() is a call. NOLINTNEXTLINE(bugprone-incorrect-roundings)
     return static_cast<std::int64_t>((double(power.x) + double(power.y) + double(power.z)) * units_a_lm + 0.5);
   };
 

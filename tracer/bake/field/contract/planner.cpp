@@ -174,11 +174,12 @@ bool can_afford(ContractState& state) {
 }
 
 std::string what_limits(const ContractState& state) {
-  if (state.too_dear)
+  if (state.too_dear) {
     return fmt::format(
         "its price: reaching what was asked for is reckoned to take {:.2g} times the work; --max-time "
         "allows more",
         *state.too_dear);
+  }
   if (state.model.direction > aim_of_target * state.params.target)
     return fmt::format("the directional basis, which alone is {:.2g} % off", 100 * state.model.direction);
   if (state.params.bake.photons != 0) return "the photons, whose number is given";
