@@ -86,6 +86,12 @@ Json to_json(const Metadata& metadata) {
   return json;
 }
 
+Json to_json(const std::array<V3d, 9>& coefficients) {
+  Json list = Json::array();
+  for (const V3d& c : coefficients) list.push_back({c.x, c.y, c.z});
+  return list;
+}
+
 Metadata metadata_from_json(const Json& object, const JsonAssetKind& kind) {
   Metadata metadata;
   for (const auto& [key, value] : object.items()) {

@@ -2,12 +2,14 @@
 // the asset's own entries.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
 
 #include <nlohmann/json_fwd.hpp>
 
 #include "grid/base/metadata.h"
+#include "grid/base/types.h"
 
 namespace ivory {
 
@@ -36,6 +38,8 @@ std::string json_asset_kind(const std::string& path);
 
 // An entry for each key.
 Json to_json(const Metadata& metadata);
+// Nine coefficients of three channels: [[r, g, b], ...].
+Json to_json(const std::array<V3d, 9>& coefficients);
 // All entries that are text or numbers, but for the one that names the kind.
 Metadata metadata_from_json(const Json& object, const JsonAssetKind& kind);
 

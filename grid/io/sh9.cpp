@@ -13,12 +13,6 @@ namespace ivory {
 
 namespace {
 
-Json triples(const std::array<V3d, 9>& values) {
-  Json list = Json::array();
-  for (const V3d& v : values) list.push_back({v.x, v.y, v.z});
-  return list;
-}
-
 Json window_json(const Sh9Window& window) { return {1, window.band1, window.band2}; }
 
 Json matrices_json(const Sh9Matrices& matrices) {
@@ -82,7 +76,7 @@ void write_sh9(const std::string& path, const Sh9Asset& asset, bool force) {
              "coefficients nits sr^(1/2), (n 1) M (n 1)^T irradiance in lux; errors relative to the light of "
              "the whole sphere"},
             {"coefficient_order", {"L00", "L1-1", "L10", "L11", "L2-2", "L2-1", "L20", "L21", "L22"}},
-            {"coefficients", triples(asset.sh.coefficients)},
+            {"coefficients", to_json(asset.sh.coefficients)},
             {"matrices", matrices_json(sh9_matrices(asset.sh))}};
   json.update(to_json(asset.metadata));
   write_file(path, text_of(json), force);

@@ -7,8 +7,8 @@
  *
  * and call ivory_bind() before you draw. runtime/example/ball_in_room.c is a whole program.
  *
- * All functions but ivory_error() and ivory_free(NULL) need a current OpenGL 3.3 core context, the same one for all
- * that belongs together. Nothing is thrown. Where a call fails it returns NULL or -1, and ivory_error() says why. */
+ * What loads, binds, places and frees needs a current OpenGL 3.3 core context, the same one for all that belongs
+ * together. Nothing is thrown. Where a call fails it returns NULL or -1, and ivory_error() says why. */
 #ifndef IVORY_H
 #define IVORY_H
 

@@ -77,6 +77,7 @@ DirectSources parse_direct(const std::string& text) {
     if (source == nullptr) throw UsageError("--direct-of: '" + name + "' is none of punctual, area, sky");
     *source = true;
   }
+  if (!direct) throw UsageError("--direct-of: names no kind; give some of punctual, area, sky");
   return direct;
 }
 

@@ -86,6 +86,16 @@ export function makeProbeGrid( texture, Grid ) {{
                      center.x, center.y, center.z);
 }
 
+// With its texels divided by what the format needs to hold them.
+TextureResult write_scaled(const std::string& path, Atlas atlas, Ktx2Format format, const ProbeExport& about,
+                           bool force) {
+  check_texture_size(atlas);
+  const TextureResult out{format, scale_for(largest_channel(atlas), format)};
+  divide(atlas, out.scale);
+  write_atlas(path, atlas, format, notes_of(about), force);
+  return out;
+}
+
 }  // namespace
 
 TextureResult write_three_js_volume(const std::string& path, const ProbeVolume& volume, const ProbeExport& about,
@@ -120,10 +130,7 @@ TextureResult write_bevy_volume(const std::string& path, const ProbeVolume& volu
     const Rgb& e = volume.sides[probe][side];
     return V4f(e.x / pi, e.y / pi, e.z / pi, 1);
   });
-  check_texture_size(atlas);
-  TextureResult out{format, scale_for(largest_channel(atlas), format)};
-  divide(atlas, out.scale);
-  write_atlas(path, atlas, format, notes_of(about), force);
+  const TextureResult out = write_scaled(path, std::move(atlas), format, about, force);
   Json json = probe_json(volume, about, path);
   json["layout"] =
       "IrradianceVolume's: size x by 2 y by 3 z; E / pi / intensity, positive sides first along y, axes along z";
@@ -147,10 +154,7 @@ TextureResult write_sides_volume(const std::string& path, const ProbeVolume& vol
     const Rgb& e = volume.sides[probe][std::size_t(side)];
     return V4f(e.x, e.y, e.z, alpha_of(volume.states[probe]));
   });
-  check_texture_size(atlas);
-  TextureResult out{format, scale_for(largest_channel(atlas), format)};
-  divide(atlas, out.scale);
-  write_atlas(path, atlas, format, notes_of(about), force);
+  const TextureResult out = write_scaled(path, std::move(atlas), format, about, force);
   Json json = probe_json(volume, about, path);
   json["layout"] =
       "E / scale in lux at the normals of `sides`, in the world's axes; block b has its slice k at z = b (nz + "
@@ -167,10 +171,7 @@ TextureResult write_sh9_volume(const std::string& path, const ProbeVolume& volum
     const V3f& c = volume.sh[probe][std::size_t(i)];
     return V4f(c.x, c.y, c.z, alpha_of(volume.states[probe]));
   });
-  check_texture_size(atlas);
-  TextureResult out{Ktx2Format::rgba16f, scale_for(largest_channel(atlas), Ktx2Format::rgba16f)};
-  divide(atlas, out.scale);
-  write_atlas(path, atlas, out.format, notes_of(about), force);
+  const TextureResult out = write_scaled(path, std::move(atlas), Ktx2Format::rgba16f, about, force);
   Json json = probe_json(volume, about, path);
   json["layout"] =
       "radiance coefficients / scale (Ramamoorthi & Hanrahan 2001, all-positive basis) in the world's axes, in "

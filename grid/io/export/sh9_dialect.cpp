@@ -12,12 +12,6 @@ namespace ivory {
 
 namespace {
 
-Json triples(const std::array<V3d, 9>& values) {
-  Json list = Json::array();
-  for (const V3d& v : values) list.push_back({v.x, v.y, v.z});
-  return list;
-}
-
 Json flat(const std::array<V3d, 9>& values) {
   Json list = Json::array();
   for (const V3d& v : values)
@@ -77,7 +71,7 @@ void write_sh9_dialect(const std::string& path, const Sh9Asset& asset, Sh9Dialec
     case Sh9Dialect::filament:
       extras["use"] =
           "IndirectLight::Builder().irradiance(3, irradiance).intensity(1): already in lux over pi, world +Y up";
-      json = {{"irradiance", triples(values)}};
+      json = {{"irradiance", to_json(values)}};
       break;
     case Sh9Dialect::three_js:
       extras["use"] = "new THREE.ObjectLoader().load(url, probe => scene.add(probe)), or .parse(this)";
@@ -85,14 +79,14 @@ void write_sh9_dialect(const std::string& path, const Sh9Asset& asset, Sh9Dialec
       break;
     case Sh9Dialect::ext_lights_image_based:
       extras["use"] = std::string(babylon_world) + "in a right-handed scene, turn the light by pi about Y";
-      json = {{"intensity", 1}, {"irradianceCoefficients", triples(values)}};
+      json = {{"intensity", 1}, {"irradianceCoefficients", to_json(values)}};
       break;
     case Sh9Dialect::babylon_js:
       extras["use"] = std::string(babylon_world) +
                       "sh = SphericalHarmonics.FromArray(irradianceCoefficients); "
                       "sh.convertIrradianceToLambertianRadiance(); scene.environmentTexture.sphericalPolynomial = "
                       "SphericalPolynomial.FromHarmonics(sh)";
-      json = {{"irradianceCoefficients", triples(values)}};
+      json = {{"irradianceCoefficients", to_json(values)}};
       break;
     case Sh9Dialect::playcanvas:
       extras["use"] = "material.ambientSH = new Float32Array(ambientSH); material.update()";

@@ -8,28 +8,12 @@
 
 #include "grid/base/error.h"
 #include "grid/env/difmap.h"
+#include "tests/grid/env/directional_light.h"
 
 namespace ivory {
 namespace {
 
 constexpr double pi_d = 3.14159265358979323846;
-
-V3d random_direction(std::mt19937& random) {
-  std::normal_distribution<double> normal;
-  return V3d(normal(random), normal(random), normal(random)).normalized();
-}
-
-// A directional light that gives irradiance `e` on a surface facing w: L = e delta(w).
-Sh9 directional(const V3d& w, const V3d& e) {
-  RadianceMoments m;
-  m.total = e;
-  m.first = {e * w.x, e * w.y, e * w.z};
-  m.second = {e * (w.x * w.x), e * (w.y * w.y), e * (w.z * w.z), e * (w.x * w.y), e * (w.y * w.z), e * (w.x * w.z)};
-  return sh9_from_moments(m);
-}
-
-// What the first three bands of a clamped cosine leave of a directional light: 1/4 + x/2 + 5/32 (3 x^2 - 1).
-double three_bands(double x) { return 0.25 + 0.5 * x + 5.0 / 32 * (3 * x * x - 1); }
 
 TEST(Sh9, DirectionalLightGivesTheClosedForm) {
   std::mt19937 random(1);
