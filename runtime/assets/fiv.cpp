@@ -222,7 +222,7 @@ GpuFivTables upload(std::span<const FivTable> tables, const FivUploadParams& par
     blocks.push_back(describe(tables[i], packed->corners[i], bins.back(), scale, int(i)));
   }
   blocks.resize(std::size_t(fiv_max_tables));
-  std::vector<V4f> knots(most * tables.size());
+  std::vector<V4f> knots(most * tables.size(), V4f(0, 0, 0, 0));
   for (std::size_t i = 0; i < bins.size(); ++i)
     std::copy(bins[i].knots.begin(), bins[i].knots.end(), knots.begin() + std::ptrdiff_t(i * most));
 

@@ -53,7 +53,9 @@ std::vector<V4f> evaluate_on_gpu(const std::string& source, const std::vector<st
   for (std::size_t k = 0; k < inputs.size(); ++k) {
     std::vector<V4f> texels = inputs[k];
     if (texels.size() != count) throw std::invalid_argument("inputs of unequal length");
-    texels.resize(std::size_t(width) * std::size_t(height));
+    // The rest of the last row is computed too, and what a vector is made of without a value is what memory held: a
+    // normal of 1e-40 sends llvmpipe's cube maps far outside of their texels.
+    texels.resize(std::size_t(width) * std::size_t(height), texels.back());
     textures.push_back(
         gl::make_texture_2d("input", gl::Format::rgba32f, width, height, texels.data(), gl::Filter::nearest));
   }
