@@ -13,7 +13,6 @@
 namespace ivory {
 namespace {
 
-constexpr double pi_d = 3.14159265358979323846;
 
 TEST(Sh9, DirectionalLightGivesTheClosedForm) {
   std::mt19937 random(1);
