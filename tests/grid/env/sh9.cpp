@@ -13,7 +13,6 @@
 namespace ivory {
 namespace {
 
-
 TEST(Sh9, DirectionalLightGivesTheClosedForm) {
   std::mt19937 random(1);
   for (int i = 0; i < 1000; ++i) {
