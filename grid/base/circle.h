@@ -17,31 +17,22 @@ inline Imath::V2d on_unit_circle(double turns) {
   const double q = std::floor(quarters + 0.5);
   const double x = (quarters - q) * 1.57079632679489661923;
   const double x2 = x * x;
-  // From the last term on, each the next one's factor.
-  const double sine =
-      x +
-      x * x2 *
-          (-1.0 / 6 +
-           x2 * (1.0 / 120 + x2 * (-1.0 / 5040 +
-                                   x2 * (1.0 / 362880 + x2 * (-1.0 / 39916800 +
-                                                              x2 * (1.0 / 6227020800 - x2 * (1.0 / 1307674368000)))))));
+  const double x4 = x2 * x2;
+  const double x8 = x4 * x4;
+  // In pairs, which processors work out side by side.
+  const double sine = x + x * x2 *
+                              ((-1.0 / 6 + x2 * (1.0 / 120)) + x4 * (-1.0 / 5040 + x2 * (1.0 / 362880)) +
+                               x8 * ((-1.0 / 39916800 + x2 * (1.0 / 6227020800)) - x4 * (1.0 / 1307674368000)));
   const double cosine =
-      1 + x2 * (-0.5 +
-                x2 * (1.0 / 24 +
-                      x2 * (-1.0 / 720 +
-                            x2 * (1.0 / 40320 + x2 * (-1.0 / 3628800 +
-                                                      x2 * (1.0 / 479001600 + x2 * (-1.0 / 87178291200 +
-                                                                                    x2 * (1.0 / 20922789888000))))))));
-  switch (static_cast<int>(q) & 3) {
-    case 0:
-      return {cosine, sine};
-    case 1:
-      return {-sine, cosine};
-    case 2:
-      return {-cosine, -sine};
-    default:
-      return {sine, -cosine};
-  }
+      1 +
+      x2 * ((-0.5 + x2 * (1.0 / 24)) + x4 * (-1.0 / 720 + x2 * (1.0 / 40320)) +
+            x8 * ((-1.0 / 3628800 + x2 * (1.0 / 479001600)) + x4 * (-1.0 / 87178291200 + x2 * (1.0 / 20922789888000))));
+  // Quarter turns swap the two and change signs: chosen, not branched to, as which one is chance.
+  const int quarter = static_cast<int>(q);
+  const bool odd = (quarter & 1) != 0;
+  const double along = odd ? sine : cosine;
+  const double across = odd ? cosine : sine;
+  return {((quarter + 1) & 2) != 0 ? -along : along, (quarter & 2) != 0 ? -across : across};
 }
 
 }  // namespace ivory
