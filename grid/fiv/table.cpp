@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "grid/base/circle.h"
+
 namespace ivory {
 
 namespace {
@@ -66,9 +68,9 @@ FivTable first_hemisphere(const FivTable& six) {
 }
 
 V3d fiv_sample_direction(const V3i& size, int azimuth, int polar) {
-  const double phi = 2 * std::numbers::pi * azimuth / size.x;
-  const double theta = std::numbers::pi * polar / (size.y - 1);
-  return {std::sin(theta) * std::sin(phi), std::cos(theta), -std::sin(theta) * std::cos(phi)};
+  const Imath::V2d around = on_unit_circle(double(azimuth) / size.x);
+  const Imath::V2d down = on_unit_circle(0.5 * polar / (size.y - 1));
+  return {down.y * around.y, down.x, -down.y * around.x};
 }
 
 FivMoments lookup(const FivTable& table, const V3f& q) {

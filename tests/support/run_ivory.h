@@ -18,10 +18,12 @@ struct RunResult {
   std::string output;  // stdout, or stdout and stderr
 };
 
-// `arguments` are the shell's; stderr is kept too where `with_errors`.
-inline RunResult run_ivory(const std::string& arguments, bool with_errors = true) {
+// `arguments` are the shell's, and `environment` what it sets before the program, as in "HOME=/ LANG=C"; stderr is kept
+// too where `with_errors`.
+inline RunResult run_ivory(const std::string& arguments, bool with_errors = true, const std::string& environment = {}) {
   RunResult result;
-  const std::string command = std::string(ivory_binary) + " " + arguments + (with_errors ? " 2>&1" : " 2>/dev/null");
+  const std::string command =
+      environment + " " + ivory_binary + " " + arguments + (with_errors ? " 2>&1" : " 2>/dev/null");
   FILE* pipe = popen(command.c_str(), "r");
   if (pipe == nullptr) return result;
   std::array<char, 4096> buffer;

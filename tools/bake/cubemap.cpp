@@ -243,6 +243,7 @@ void add_bake_cubemap_command(Command bake, CommonOptions& common) {
   command.add_count("--seed", options->seed, "Seed of the random numbers");
   add_environment_options(command, options->environment);
   add_scene_options(command, options->load);
+  add_portable_option(command, options->load);
   options->grid = add_grid_options(command, "Baked grid that indirect light is read from [path traced]");
   command.add_choice("--shell", options->shell,
                      "How corners of texels are placed: by least squares over all distances, at the distance\n"

@@ -59,6 +59,7 @@ FivParams params_of(const BakeFivOptions& options) {
   FivParams params = options.params;
   params.samples = parse_size3("--samples", options.samples, 2);
   if (params.samples.x < 3) throw UsageError("--samples: at least 3 azimuths are needed");
+  params.intersector = options.load.intersector;
   return params;
 }
 
@@ -228,6 +229,7 @@ void add_bake_fiv_command(Command bake, CommonOptions& common) {
   command.add_option("-o,--output", options->output, "Table to write, .exr").required().type_name("OUT.exr");
   add_environment_options(command, options->environment);
   add_scene_options(command, options->load);
+  add_portable_option(command, options->load);
   command.get_option("--env").required();
   command.add_option("--samples", options->samples, "Samples in azimuth, polar angle and distance")
       .type_name("NA,NP,ND");

@@ -286,6 +286,7 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
       .excludes(direct);
   add_environment_options(command, options->environment);
   add_scene_options(command, options->load);
+  add_portable_option(command, options->load);
   command.add_choice(
       "--emission", params.emission,
       "Where photons are sent: where a pilot found that they come to the grid, more into dark places\n"

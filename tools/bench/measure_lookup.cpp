@@ -7,6 +7,7 @@
 #include "grid/base/error.h"
 #include "tools/bench/median.h"
 #include "tracer/core/sampler.h"
+#include "tracer/core/surface.h"
 #include "tracer/render/guard_rays.h"
 
 namespace ivory {

@@ -18,11 +18,15 @@ namespace ivory {
 // How scenes and objects are read from their files: the options of every command that takes any.
 struct SceneOptions {
   LoadParams load;
+  IntersectorParams intersector;
 };
 
 // --scale, --time, --animation and --without, in the help page's group `group` where that is not empty. Returns the
 // options' names.
 std::vector<std::string> add_scene_options(Command command, SceneOptions& options, const std::string& group = {});
+
+// --portable, of what is baked and may be put together from parts.
+void add_portable_option(Command command, SceneOptions& options);
 
 // For files placed beside the scene: in the scene's unit, but as they are stored, and whole.
 LoadParams object_params(const SceneOptions& options);

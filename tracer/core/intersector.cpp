@@ -7,12 +7,15 @@
 
 #include "grid/base/error.h"
 #include "tracer/core/intersector_filters.h"
+#include "tracer/core/portable_triangles.h"
 
 namespace ivory {
 namespace {
 
-RayContext make_context(const Ray& ray) {
+// `lines` are for portable triangles, as many as rays are asked for at once; null without.
+RayContext make_context(const Ray& ray, const Line* lines) {
   RayContext context{};
+  context.lines = lines;
   rtcInitIntersectContext(&context.embree);
   context.coverage_seed = ray.coverage_seed;
   context.blocking_coverage = ray.blocking_coverage;
@@ -45,6 +48,12 @@ std::vector<V3f> transformed(const std::vector<V3f>& points, const M44f& m) {
   return out;
 }
 
+float farthest(const Box3f& box) {
+  float most = 0;
+  for (int axis = 0; axis < 3; ++axis) most = std::max({most, std::abs(box.min[axis]), std::abs(box.max[axis])});
+  return most;
+}
+
 }  // namespace
 
 struct Intersector::State {
@@ -56,6 +65,7 @@ struct Intersector::State {
   std::vector<GeometryRecord> mesh_records;  // [mesh], for geometry inside instances
   std::vector<M33f> normal_to_world;         // [instance]: inverse transpose
   bool has_coverage = false;
+  bool portable = false;
   V3f center{0, 0, 0};
   float radius_m = 0;
 
@@ -66,6 +76,8 @@ struct Intersector::State {
     if (top != nullptr) rtcReleaseScene(top);
     if (device != nullptr) rtcReleaseDevice(device);
   }
+
+  Line line_of(const Ray& ray) const { return portable ? make_line(ray.origin, ray.direction) : Line{}; }
 
   void check(const char* what) const {
     if (rtcGetDeviceError(device) != RTC_ERROR_NONE) throw_embree(scene->name, what);
@@ -82,7 +94,21 @@ struct Intersector::State {
 
   GeometryRecord record_of(int mesh) const {
     const Material& material = scene->materials[std::size_t(scene->meshes[std::size_t(mesh)].material)];
-    return {scene, mesh, ivory::has_coverage(material), !material.double_sided, false};
+    return {scene, mesh, ivory::has_coverage(material), !material.double_sided, false, {}, 0};
+  }
+
+  // Of the record's mesh, at these places of its vertices.
+  RTCGeometry new_geometry(GeometryRecord& record, const std::vector<V3f>& positions, float padding) const {
+    if (!portable) {
+      RTCGeometry geometry = new_triangles(scene->meshes[std::size_t(record.mesh)], positions);
+      set_filters(geometry, record);
+      return geometry;
+    }
+    const auto& triangles = scene->meshes[std::size_t(record.mesh)].triangles;
+    record.corners.reserve(triangles.size());
+    for (const auto& t : triangles) record.corners.push_back({positions[t.x], positions[t.y], positions[t.z]});
+    record.padding = padding;
+    return new_portable_triangles(device, record);
   }
 
   RTCGeometry new_triangles(const Mesh& mesh, const std::vector<V3f>& positions) const {
@@ -98,6 +124,21 @@ struct Intersector::State {
     return geometry;
   }
 
+  // The most by which a placement of the mesh makes lengths of the world longer in the mesh's own space.
+  float shrinking(std::size_t mesh) const {
+    float most = 0;
+    for (std::size_t i = 0; i < scene->instances.size(); ++i) {
+      if (std::size_t(scene->instances[i].mesh) != mesh) continue;
+      float squares = 0;
+      for (int row = 0; row < 3; ++row) {
+        for (int column = 0; column < 3; ++column)
+          squares += normal_to_world[i][row][column] * normal_to_world[i][row][column];
+      }
+      most = std::max(most, std::sqrt(squares));
+    }
+    return most;
+  }
+
   // Filters cost traversal time, so only geometry that can need them has them.
   static void set_filters(RTCGeometry geometry, GeometryRecord& record) {
     rtcSetGeometryUserData(geometry, &record);
@@ -107,9 +148,10 @@ struct Intersector::State {
   }
 };
 
-Intersector::Intersector(const Scene& scene) : state_(std::make_unique<State>()) {
+Intersector::Intersector(const Scene& scene, const IntersectorParams& params) : state_(std::make_unique<State>()) {
   State& s = *state_;
   s.scene = &scene;
+  s.portable = params.portable;
   s.device = rtcNewDevice(nullptr);
   if (s.device == nullptr) throw_embree(scene.name, "no device");
   s.top = s.new_scene();
@@ -124,28 +166,33 @@ Intersector::Intersector(const Scene& scene) : state_(std::make_unique<State>())
   s.normal_to_world.resize(scene.instances.size());
 
   for (std::size_t i = 0; i < scene.instances.size(); ++i) {
-    const Instance& instance = scene.instances[i];
-    const auto m = std::size_t(instance.mesh);
-    const Mesh& mesh = scene.meshes[m];
-    s.records[i] = s.record_of(instance.mesh);
-    s.has_coverage = s.has_coverage || s.records[i].has_coverage;
-
-    const M44f& to_world = instance.to_world;
+    const M44f& to_world = scene.instances[i].to_world;
     const M33f linear(to_world[0][0], to_world[0][1], to_world[0][2], to_world[1][0], to_world[1][1], to_world[1][2],
                       to_world[2][0], to_world[2][1], to_world[2][2]);
     s.normal_to_world[i] = linear.inverse().transposed();
+  }
+
+  const Box3f box = bounds(scene);
+  // What Embree may be off in a ray's place: a few units in the last place of the largest numbers that it reckons with.
+  const float error_m = 0x1p-19F * (box.isEmpty() ? 0 : farthest(box) + box.size().length());
+
+  for (std::size_t i = 0; i < scene.instances.size(); ++i) {
+    const Instance& instance = scene.instances[i];
+    const auto m = std::size_t(instance.mesh);
+    const Mesh& mesh = scene.meshes[m];
+    const M44f& to_world = instance.to_world;
+    s.records[i] = s.record_of(instance.mesh);
+    s.has_coverage = s.has_coverage || s.records[i].has_coverage;
 
     RTCGeometry geometry = nullptr;
     if (uses[m] == 1) {
       s.records[i].mirrored_build = to_world.determinant() < 0;
-      geometry = s.new_triangles(mesh, transformed(mesh.positions, to_world));
-      State::set_filters(geometry, s.records[i]);
+      geometry = s.new_geometry(s.records[i], transformed(mesh.positions, to_world), error_m);
     } else {
       if (s.mesh_scenes[m] == nullptr) {
         s.mesh_records[m] = s.record_of(instance.mesh);
         s.mesh_scenes[m] = s.new_scene();
-        RTCGeometry triangles = s.new_triangles(mesh, mesh.positions);
-        State::set_filters(triangles, s.mesh_records[m]);
+        RTCGeometry triangles = s.new_geometry(s.mesh_records[m], mesh.positions, error_m * s.shrinking(m));
         rtcCommitGeometry(triangles);
         rtcAttachGeometryByID(s.mesh_scenes[m], triangles, 0);
         rtcReleaseGeometry(triangles);
@@ -168,7 +215,6 @@ Intersector::Intersector(const Scene& scene) : state_(std::make_unique<State>())
   rtcCommitScene(s.top);
   s.check("hierarchy");
 
-  const Box3f box = bounds(scene);
   if (!box.isEmpty()) {
     s.center = box.center();
     // A little larger than the box asks: grids around flat scenes stand out of it.
@@ -181,6 +227,7 @@ Intersector::Intersector(Intersector&&) noexcept = default;
 Intersector& Intersector::operator=(Intersector&&) noexcept = default;
 
 const Scene& Intersector::scene() const { return *state_->scene; }
+bool Intersector::portable() const { return state_->portable; }
 bool Intersector::has_coverage() const { return state_->has_coverage; }
 V3f Intersector::center() const { return state_->center; }
 float Intersector::radius_m() const { return state_->radius_m; }
@@ -188,7 +235,8 @@ float Intersector::radius_m() const { return state_->radius_m; }
 std::uint64_t Intersector::count_hits(std::span<const Ray> rays) const {
   std::uint64_t hits = 0;
   for (const Ray& ray : rays) {
-    RayContext context = make_context(ray);
+    const Line line = state_->line_of(ray);
+    RayContext context = make_context(ray, &line);
     RTCRayHit query = make_query(ray);
     rtcIntersect1(state_->top, &context.embree, &query);
     if (query.hit.geomID != RTC_INVALID_GEOMETRY_ID) ++hits;
@@ -197,7 +245,8 @@ std::uint64_t Intersector::count_hits(std::span<const Ray> rays) const {
 }
 
 std::optional<Hit> Intersector::closest(const Ray& ray) const {
-  RayContext context = make_context(ray);
+  const Line line = state_->line_of(ray);
+  RayContext context = make_context(ray, &line);
   RTCRayHit query = make_query(ray);
   rtcIntersect1(state_->top, &context.embree, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
@@ -221,7 +270,8 @@ std::optional<Hit> Intersector::closest(const Ray& ray) const {
 }
 
 float Intersector::transmittance(const Ray& ray) const {
-  RayContext context = make_context(ray);
+  const Line line = state_->line_of(ray);
+  RayContext context = make_context(ray, &line);
   RTCRay query = make_ray(ray);
   rtcOccluded1(state_->top, &context.embree, &query);
   return query.tfar < 0 ? 0 : context.transmittance;
@@ -243,12 +293,14 @@ std::array<float, 8> Intersector::distances(const std::array<V3f, 8>& origins, i
     query.ray.tfar[i] = std::numeric_limits<float>::infinity();
     query.ray.time[i] = 0;
     query.ray.mask[i] = ~0U;
-    query.ray.id[i] = 0;
+    query.ray.id[i] = unsigned(i);
     query.ray.flags[i] = 0;
     query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
     query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
   }
-  RayContext context = make_context({});
+  std::array<Line, 8> lines;
+  for (std::size_t i = 0; state_->portable && i < std::size_t(count); ++i) lines[i] = make_line(origins[i], direction);
+  RayContext context = make_context({}, lines.data());
   context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   context.blocking_coverage = half_coverage;
   rtcIntersect8(active.data(), state_->top, &context.embree, &query);
@@ -263,9 +315,11 @@ std::array<float, 8> Intersector::distances(const std::array<V3f, 8>& origins, i
 std::uint32_t Intersector::visible(const V3f& origin, const std::array<V3f, 8>& targets, int count) const {
   alignas(32) std::array<int, 8> active{};
   RTCRay8 rays;
+  std::array<Line, 8> lines;
   for (std::size_t i = 0; i < 8; ++i) {
     active[i] = static_cast<int>(i) < count ? -1 : 0;
     const V3f d = targets[i < std::size_t(count) ? i : 0] - origin;
+    if (state_->portable && active[i] != 0) lines[i] = make_line(origin, d);
     rays.org_x[i] = origin.x;
     rays.org_y[i] = origin.y;
     rays.org_z[i] = origin.z;
@@ -276,10 +330,10 @@ std::uint32_t Intersector::visible(const V3f& origin, const std::array<V3f, 8>& 
     rays.tfar[i] = 1;
     rays.time[i] = 0;
     rays.mask[i] = ~0U;
-    rays.id[i] = 0;
+    rays.id[i] = unsigned(i);
     rays.flags[i] = 0;
   }
-  RayContext context = make_context({});
+  RayContext context = make_context({}, lines.data());
   context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   context.blocking_coverage = half_coverage;
   rtcOccluded8(active.data(), state_->top, &context.embree, &rays);
@@ -288,16 +342,6 @@ std::uint32_t Intersector::visible(const V3f& origin, const std::array<V3f, 8>& 
     if (rays.tfar[i] >= 0) bits |= 1U << unsigned(i);
   }
   return bits;
-}
-
-V3f offset_origin(const V3f& p, const V3f& ng, const V3f& w, float reach_m) {
-  // Embree's robust intersections are good to a few units in the last place of the largest
-  // coordinate; 2^-17 of it is 64 of those. Near the world's origin p is small, but its error is that of the
-  // triangle's corners: of 32 units in their last place, a few in a hundred thousand rays met a slope again at 8.
-  // Where the triangle is not known, a floor stands in for it.
-  const float largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
-  const float step = std::max(largest * 0x1p-17F, reach_m > 0 ? reach_m * 0x1p-19F : 1e-7F);
-  return p + ng * (ng.dot(w) >= 0 ? step : -step);
 }
 
 }  // namespace ivory

@@ -35,18 +35,25 @@ struct Hit {
   V3f ng;                   // world geometric normal of the front side, unit
 };
 
+struct IntersectorParams {
+  // The same hits on every CPU, to the last bit, by triangles of ivory's own in Embree's hierarchy. Embree's own differ
+  // in their last bits, and at edges in which triangle is hit, with the vector instructions that it finds.
+  bool portable = false;
+};
+
 // Holds the Embree scene of `scene`, which must outlive it unchanged. A mesh placed once is built
 // in world space; a mesh placed several times is built once and instanced. Coverage (MASK, BLEND)
 // is resolved during traversal. All queries are thread-safe.
 class Intersector {
  public:
   // Throws Error (naming the scene) where Embree cannot build it, for want of memory above all.
-  explicit Intersector(const Scene& scene);
+  explicit Intersector(const Scene& scene, const IntersectorParams& params = {});
   ~Intersector();
   Intersector(Intersector&&) noexcept;
   Intersector& operator=(Intersector&&) noexcept;
 
   const Scene& scene() const;
+  bool portable() const;
   // Can any surface be passed through (MASK, BLEND, transmission)? Only then do rays need a coverage seed.
   bool has_coverage() const;
 
@@ -79,10 +86,5 @@ class Intersector {
   struct State;
   std::unique_ptr<State> state_;
 };
-
-// p moved off its surface along its unit normal ng, to the side of w, by a distance that stays above the rounding error
-// of p at any scale: rays from there do not meet the surface they left. reach_m is triangle_reach_m() of the triangle
-// that p lies on, 0 where it is not known.
-V3f offset_origin(const V3f& p, const V3f& ng, const V3f& w, float reach_m = 0);
 
 }  // namespace ivory

@@ -4,9 +4,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include <embree3/rtcore.h>
 
+#include "tracer/core/crossing.h"
 #include "tracer/core/scene.h"
 
 namespace ivory {
@@ -18,6 +20,9 @@ struct GeometryRecord {
   bool has_coverage = false;
   bool single_sided = false;
   bool mirrored_build = false;  // built in world space by a mirroring transform: its winding is reversed
+  // Of portable triangles alone: corners in the space that they are built in, and how far a ray there may be off.
+  std::vector<std::array<V3f, 3>> corners;
+  float padding = 0;
 };
 
 // Embree hands this context to the filters, which decide what a ray meets.
@@ -29,6 +34,7 @@ struct RayContext {
   std::array<std::uint64_t, 8> edges_passed{};
   std::size_t edges_count = 0;
   float blocking_coverage = -1;  // visibility queries: coverage of at least this blocks whole
+  const Line* lines = nullptr;   // the rays in the world, each by its id, for portable triangles
 };
 
 // 64 bits that no two triangles of a scene share, however instances and triangles are numbered.

@@ -14,6 +14,6 @@ struct LitScene {
 };
 
 // Builds the acceleration structure and the lights. Throws Error (naming the scene) where a light is not finite.
-LitScene make_lit_scene(Scene scene);
+LitScene make_lit_scene(Scene scene, const IntersectorParams& params = {});
 
 }  // namespace ivory

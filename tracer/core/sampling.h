@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "grid/base/circle.h"
 #include "grid/base/types.h"
 
 namespace ivory {
@@ -26,11 +27,7 @@ inline ShadingFrame make_shading_frame(const V3f& z) {
 }
 
 // Uniform over the unit disc.
-inline V2f sample_disc(const V2f& u) {
-  const float r = std::sqrt(u.x);
-  const float phi = 2 * pi * u.y;
-  return {r * std::cos(phi), r * std::sin(phi)};
-}
+inline V2f sample_disc(const V2f& u) { return V2f(on_unit_circle(double(u.y))) * std::sqrt(u.x); }
 
 // The same such that squares become compact pieces of the disc of the same share of its area: Shirley & Chiu, "A Low
 // Distortion Map Between Disk and Square", Journal of Graphics Tools 2(3), 1997. u in [0, 1)^2.
@@ -38,11 +35,9 @@ inline Imath::V2d sample_disc_compact(const Imath::V2d& u) {
   const double a = 2 * u.x - 1;
   const double b = 2 * u.y - 1;
   if (a == 0 && b == 0) return {0, 0};
-  constexpr double quarter = 0.785398163397448310;  // pi / 4
   const bool along_a = std::abs(a) > std::abs(b);
-  const double r = along_a ? a : b;
-  const double phi = along_a ? quarter * (b / a) : 2 * quarter - quarter * (a / b);
-  return {r * std::cos(phi), r * std::sin(phi)};
+  const double turns = along_a ? b / a / 8 : 0.25 - a / b / 8;
+  return on_unit_circle(turns) * (along_a ? a : b);
 }
 
 // Unit direction around +z with density cos/pi; z > 0 always.
@@ -55,8 +50,8 @@ inline V3f sample_cosine_hemisphere(const V2f& u) {
 // Unit direction at cosine c, -1 to 1, from +z and azimuth 2 pi u.
 inline V3f direction_at_cosine(float c, float u) {
   const float s = std::sqrt(std::max(0.0F, (1.0F - c) * (1.0F + c)));
-  const float phi = 2 * pi * u;
-  return {s * std::cos(phi), s * std::sin(phi), c};
+  const V2f around = V2f(on_unit_circle(double(u))) * s;
+  return {around.x, around.y, c};
 }
 
 // Uniform over the sphere of directions.

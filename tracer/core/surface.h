@@ -22,6 +22,11 @@ struct Surface {
 // What `ray` met at `hit`, both of the scene's intersector.
 Surface make_surface(const Scene& scene, const Ray& ray, const Hit& hit);
 
+// p moved off its surface along its unit normal ng, to the side of w, by a distance that stays above the rounding error
+// of p at any scale: rays from there do not meet the surface they left. reach_m is triangle_reach_m() of the triangle
+// that p lies on, 0 where it is not known.
+V3f offset_origin(const V3f& p, const V3f& ng, const V3f& w, float reach_m = 0);
+
 // A ray that leaves the surface along unit w, on either side, and does not meet it where it starts.
 Ray spawn_ray(const Surface& surface, const V3f& w, std::uint32_t coverage_seed = 0);
 

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "grid/base/circle.h"
 #include "grid/env/latlong_map.h"
 #include "tracer/core/sampling.h"
 
@@ -16,20 +17,20 @@ namespace {
 
 // A texel between polar angles theta0 and theta1 covers (2 pi / width) (cos theta0 - cos theta1).
 double texel_solid_angle(const EnvironmentMap& map, int row) {
-  const double step = std::numbers::pi / map.height;
+  // Half a row, in turns.
+  const double half = 0.25 / map.height;
   // cos a - cos b = 2 sin((a+b)/2) sin((b-a)/2) keeps its digits near the poles.
-  return 2 * std::numbers::pi / map.width * 2 * std::sin((row + 0.5) * step) * std::sin(0.5 * step);
+  return 2 * std::numbers::pi / map.width * 2 * on_unit_circle((2 * row + 1) * half).y * on_unit_circle(half).y;
 }
 
 // A point of a texel, evenly by solid angle.
 V3f direction_in(const EnvironmentMap& map, int row, int column, double u, double v) {
-  const double step = std::numbers::pi / map.height;
-  const double top = std::cos(row * step);
-  const double bottom = std::cos((row + 1) * step);
+  const double top = on_unit_circle(0.5 * row / map.height).x;
+  const double bottom = on_unit_circle(0.5 * (row + 1) / map.height).x;
   const double y = top + (bottom - top) * u;
   const double s = std::sqrt(std::max(0.0, (1 - y) * (1 + y)));
-  const double phi = 2 * std::numbers::pi * ((column + v) / map.width - 0.5);  // atan2(-x, z)
-  return {float(-s * std::sin(phi)), float(y), float(s * std::cos(phi))};
+  const Imath::V2d around = on_unit_circle((column + v) / map.width - 0.5) * s;  // at atan2(-x, z)
+  return {float(-around.y), float(y), float(around.x)};
 }
 
 // Texels are chosen by luminance times solid angle and directions uniformly within a texel, so the

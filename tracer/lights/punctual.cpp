@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "grid/base/circle.h"
 #include "tracer/core/sampling.h"
 
 namespace ivory {
@@ -71,8 +72,8 @@ EmittedPhoton emit_from(const SpotLight& light, const EntryDiscs&, RandomStream&
   const double x =
       u_zone < plateau ? double(u.x) * plateau : std::max(0.0, cone.outer - cone.rise * std::cbrt(1 - double(u.x)));
   const float sine = float(std::sqrt(x * (2 - x)));
-  const float phi = 2 * pi * u.y;
-  const V3f local(sine * std::cos(phi), sine * std::sin(phi), float(1 - x));
+  const V2f around = V2f(on_unit_circle(double(u.y))) * sine;
+  const V3f local(around.x, around.y, float(1 - x));
   return {light.position, make_shading_frame(light.direction).to_world(local).normalized(), power_of(light, 0)};
 }
 
@@ -89,8 +90,8 @@ EmittedPhoton emit_at(const SpotLight& light, const Imath::V2d& u) {
   const double risen = at < plateau ? 0 : (at - plateau) / rise_integral(cone);
   const double x = at < plateau ? at : std::max(0.0, cone.outer - cone.rise * std::cbrt(std::max(0.0, 1 - risen)));
   const double sine = std::sqrt(x * (2 - x));
-  const double phi = 2 * double(pi) * u.y;
-  const V3f local(float(sine * std::cos(phi)), float(sine * std::sin(phi)), float(1 - x));
+  const V2f around(on_unit_circle(u.y) * sine);
+  const V3f local(around.x, around.y, float(1 - x));
   return {light.position, make_shading_frame(light.direction).to_world(local).normalized(), power_of(light, 0)};
 }
 EmittedPhoton emit_at(const PointLight& light, const Imath::V2d& u) {

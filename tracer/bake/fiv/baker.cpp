@@ -60,7 +60,7 @@ std::vector<FivTable> bake(const FivOccluder& occluder, const CubeMap& environme
   shared.shape = occluder.shape;
   const auto numbers = std::size_t(3 * fiv_function_count(params.hemispheres));
 
-  const Intersector object(occluder.scene);
+  const Intersector object(occluder.scene, params.intersector);
   const FivDirections all = make_fiv_directions(environment, params.environment_size, params.parts);
   shared.total = total_moments(all);
   SplitDirections split{{}, all};

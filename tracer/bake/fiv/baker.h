@@ -8,6 +8,7 @@
 #include "grid/env/cube_map.h"
 #include "grid/fiv/table.h"
 #include "tracer/bake/fiv/occluder.h"
+#include "tracer/core/intersector.h"
 
 namespace ivory {
 
@@ -22,6 +23,7 @@ struct FivParams {
   int silhouette_pixels = 128;  // along a side of the pictures that tell which positions are dark
   bool fit = true;          // least-squares values (tracer/bake/fiv/fit.h); otherwise those at the samples themselves
   bool fill_inside = true;  // see bake_fiv()
+  IntersectorParams intersector;
   std::function<void(std::size_t, std::size_t)> progress;  // called now and then: directions done, of all
 };
 

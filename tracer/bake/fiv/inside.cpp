@@ -5,6 +5,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include "grid/base/circle.h"
+
 namespace ivory {
 
 namespace {
@@ -15,9 +17,9 @@ constexpr double least_hidden = 0.5;
 // Evenly over the sphere (Fibonacci's lattice).
 V3f test_direction(int i) {
   const float z = 1 - (2 * float(i) + 1) / test_rays;
-  const float phi = 2.39996323F * float(i);
-  const float s = std::sqrt(1 - z * z);
-  return {s * std::cos(phi), z, s * std::sin(phi)};
+  constexpr double golden_turn = 0.38196601125010515;
+  const V2f around = V2f(on_unit_circle(golden_turn * i)) * std::sqrt(1 - z * z);
+  return {around.x, z, around.y};
 }
 
 // Six times the volume that the triangles enclose by their winding.

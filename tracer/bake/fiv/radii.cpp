@@ -27,7 +27,7 @@ constexpr double even_share = 0.15;
 
 std::vector<std::vector<float>> fiv_radii(const FivOccluder& occluder, const CubeMap& environment,
                                           const FivParams& params, std::span<const int> counts) {
-  const Intersector object(occluder.scene);
+  const Intersector object(occluder.scene, params.intersector);
   const FivDirections directions = make_fiv_pilot_directions(environment, pilot_environment);
   std::vector<float> pilot;
   const double step = std::log(double(params.farthest) / double(nearest)) / (pilot_spheres - 1);
