@@ -18,7 +18,7 @@
 #include "tools/cli/common.h"
 #include "tools/input/scene.h"
 #include "tracer/bake/field/baker.h"
-#include "tracer/bake/field/deposit_target.h"
+#include "tracer/bake/field/deposit/target.h"
 
 namespace ivory {
 

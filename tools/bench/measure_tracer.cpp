@@ -14,7 +14,7 @@
 #include "grid/field/resolve.h"
 #include "tools/bench/median.h"
 #include "tracer/bake/field/baker.h"
-#include "tracer/bake/field/photon_deposit.h"
+#include "tracer/bake/field/deposit/photon_deposit.h"
 #include "tracer/bake/field/vertex_visibility.h"
 #include "tracer/render/photons/tracer.h"
 

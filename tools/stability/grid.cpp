@@ -4,7 +4,7 @@
 
 #include "tools/stability/scenes.h"
 #include "tools/stability/stability.h"
-#include "tracer/bake/field/photon_deposit.h"
+#include "tracer/bake/field/deposit/photon_deposit.h"
 
 namespace ivory {
 namespace {

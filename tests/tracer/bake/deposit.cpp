@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tracer/bake/field/photon_deposit.h"
+#include "tracer/bake/field/deposit/photon_deposit.h"
 #include "tracer/core/sampler.h"
 
 namespace ivory {

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/random_lattice.h"
-#include "tracer/bake/field/photon_deposit.h"
+#include "tracer/bake/field/deposit/photon_deposit.h"
 #include "tracer/core/sampler.h"
 
 namespace ivory {

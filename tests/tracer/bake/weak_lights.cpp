@@ -13,7 +13,7 @@
 #include "tests/support/statistics.h"
 #include "tools/stability/scene_builder.h"
 #include "tracer/bake/field/baker.h"
-#include "tracer/bake/field/deposit_target.h"
+#include "tracer/bake/field/deposit/target.h"
 
 namespace ivory {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "grid/base/error.h"
 #include "grid/base/memory.h"
-#include "tracer/bake/field/deposit_target.h"
+#include "tracer/bake/field/deposit/target.h"
 #include "tracer/bake/field/placement.h"
 
 namespace ivory {

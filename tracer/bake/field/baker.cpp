@@ -12,10 +12,10 @@
 #include <tbb/task_arena.h>
 
 #include "grid/base/error.h"
+#include "tracer/bake/field/deposit/photon_deposit.h"
 #include "tracer/bake/field/guard_fit.h"
 #include "tracer/bake/field/kept_vertices.h"
 #include "tracer/bake/field/lit_vertices.h"
-#include "tracer/bake/field/photon_deposit.h"
 #include "tracer/bake/field/pilot.h"
 #include "tracer/bake/field/vertex_visibility.h"
 #include "tracer/render/photons/tracer.h"

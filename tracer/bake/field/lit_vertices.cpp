@@ -7,7 +7,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "tracer/bake/field/deposit_target.h"
+#include "tracer/bake/field/deposit/target.h"
 
 namespace ivory {
 

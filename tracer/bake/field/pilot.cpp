@@ -7,7 +7,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include "tracer/bake/field/deposit_target.h"
+#include "tracer/bake/field/deposit/target.h"
 #include "tracer/render/photons/tracer.h"
 
 // What is sought is E in every cell c of the grid, with an error small beside E there, but not beside next to nothing:

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "tracer/bake/field/deposit_target.h"
+#include "tracer/bake/field/deposit/target.h"
 
 namespace ivory {
 

@@ -1,4 +1,4 @@
-#include "tracer/bake/field/deposit_target.h"
+#include "tracer/bake/field/deposit/target.h"
 
 #include <algorithm>
 #include <cassert>

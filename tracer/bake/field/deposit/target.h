@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "grid/field/accumulator.h"
-#include "tracer/bake/field/track_samples.h"
+#include "tracer/bake/field/deposit/track_samples.h"
 #include "tracer/render/photons/tracer.h"
 
 namespace ivory {
@@ -60,8 +60,8 @@ void check_estimator(const Lattice& lattice, Estimator estimator);
 // carry a millionth of the strongest power: rounded to 2^-18 of that, the lamp's room would be dark, not noisy. 12
 // bits make the quanta 2^-30, at which the 64-bit sums still hold 2^31 of the strongest deposits in one voxel, of
 // which the second moment may be 3 units of 2^30; what is weaker yet is rounded at random (see
-// tracer/bake/field/photon_deposit.cpp). None where all photons are above 2^-6 of the strongest, as with a single
-// light: their deposits are 2^12 coarse units, and second moments 2^6.
+// tracer/bake/field/deposit/photon_deposit.cpp). None where all photons are above 2^-6 of the strongest, as with a
+// single light: their deposits are 2^12 coarse units, and second moments 2^6.
 inline constexpr int max_fine_bits = 12;
 int fine_bits(const Lights::PhotonPower& power);
 

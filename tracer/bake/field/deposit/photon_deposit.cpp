@@ -1,11 +1,11 @@
-#include "tracer/bake/field/photon_deposit.h"
+#include "tracer/bake/field/deposit/photon_deposit.h"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <limits>
 
-#include "tracer/bake/field/deposit_units.h"
+#include "tracer/bake/field/deposit/units.h"
 
 // The track-length estimator. The irradiance vectors at a vertex are taken as the mean over its cell V
 // (the box of one voxel around it, as far as the vertex sees it):
