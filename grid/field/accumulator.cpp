@@ -22,9 +22,6 @@ SumLayout sum_layout(Basis basis, Estimator estimator) {
   return {8, 3};
 }
 
-namespace {
-
-// What keeps two parts from being parts of one bake; empty where nothing does.
 std::string difference(const GridAccumulator& a, const GridAccumulator& b) {
   for (const auto& [key, value] : a.metadata) {
     const auto found = b.metadata.find(key);
@@ -44,6 +41,8 @@ std::string difference(const GridAccumulator& a, const GridAccumulator& b) {
     return "what vertices see (parts must be baked on one kind of CPU)";
   return {};
 }
+
+namespace {
 
 std::string range_text(const GridAccumulator& part) {
   return std::to_string(part.photon_begin) + ":" + std::to_string(part.photon_end);
@@ -68,7 +67,7 @@ GridAccumulator merge(std::vector<GridAccumulator> parts, const std::vector<std:
                   "merge parts of one bake that differ in their photons only");
     }
     if (part.photon_begin < total.photon_end) {
-      throw Error(part_name, "its photons " + range_text(part) + " overlap those of another part",
+      throw Error(part_name, "its photons " + range_text(part) + " overlap those of " + names[order[i - 1]],
                   "give each part once, with ranges that do not overlap");
     }
     if (part.photon_begin > total.photon_end) {

@@ -59,6 +59,10 @@ struct GridAccumulator : GridVertices {
   std::vector<SumGroup> groups;
 };
 
+// What keeps two from being parts of one bake, photons aside: the first of its facts that differs, in words; empty
+// where nothing does.
+std::string difference(const GridAccumulator& a, const GridAccumulator& b);
+
 // Adds up parts of one bake; names[i] is what messages call parts[i]. Throws ParameterError for no parts, and Error
 // where they differ in anything but their photon range, where ranges overlap or leave a gap, or where a sum exceeds 64
 // bits.

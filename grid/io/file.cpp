@@ -81,9 +81,13 @@ const char* remedy_of(int error) {
   }
 }
 
+}  // namespace
+
 Error not_written(const std::string& path, int error) {
   return {path, "cannot be written (" + message_of(error) + ")", remedy_of(error)};
 }
+
+namespace {
 
 // Makes an empty file beside the target under a name that is nobody's; 0 or errno.
 int make_temporary(const fs::path& target, std::string& path) {
@@ -185,6 +189,10 @@ std::string lower_extension(const std::string& path) {
   return extension;
 }
 
+std::string text_hash(std::string_view bytes) {
+  return fmt::format("{:016x}", OIIO::xxhash::XXH64(bytes.data(), bytes.size(), 0));
+}
+
 std::string file_hash(const std::string& path) {
   // A folder opens, and fails in the stream's own words when it is read.
   std::error_code unreadable;
@@ -192,7 +200,7 @@ std::string file_hash(const std::string& path) {
   if (!file || fs::is_directory(path, unreadable))
     throw Error(path, "cannot be read", "check that it exists and is readable");
   const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-  return fmt::format("{:016x}", OIIO::xxhash::XXH64(bytes.data(), bytes.size(), 0));
+  return text_hash(bytes);
 }
 
 }  // namespace ivory

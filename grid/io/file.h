@@ -4,7 +4,12 @@
 #include <string>
 #include <string_view>
 
+#include "grid/base/error.h"
+
 namespace ivory {
+
+// What to throw where a file cannot be made or written; `error` is errno.
+Error not_written(const std::string& path, int error);
 
 class PendingFile {
  public:
@@ -39,7 +44,10 @@ void write_file(const std::string& path, std::string_view bytes, bool force);
 // A file name's extension with its dot, in lower case: ".exr" of "A.EXR"; "" where it has none.
 std::string lower_extension(const std::string& path);
 
-// Hash (XXH64, 16 hexadecimal digits) of a file's bytes. Throws Error where it cannot be read.
+// Hash (XXH64, 16 hexadecimal digits) of bytes.
+std::string text_hash(std::string_view bytes);
+
+// The same of a file's bytes. Throws Error where it cannot be read.
 std::string file_hash(const std::string& path);
 
 }  // namespace ivory

@@ -15,6 +15,7 @@
 #include "grid/cubemap/captured.h"
 #include "grid/io/json.h"
 #include "tools/bake/asset_contract.h"
+#include "tools/bake/checkpoint.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/assumptions.h"
@@ -255,6 +256,7 @@ void add_bake_cubemap_command(Command bake, CommonOptions& common) {
       "\nExamples:\n"
       "  ivory bake cubemap room.glb --at 0,1,0 -o room.exr\n"
       "  ivory render room.glb --method cubemap --cubemap room.exr --object ball.glb@0.5,1,0 -o picture.exr");
+  refuse_checkpoint_option(command);
   set_action(command, common, Output::file,
              [options, command, &common] { run_bake_cubemap(*options, command, common); });
 }

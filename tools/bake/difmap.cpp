@@ -12,6 +12,7 @@
 #include "grid/env/irradiance.h"
 #include "grid/env/irradiance/error.h"
 #include "tools/bake/asset_contract.h"
+#include "tools/bake/checkpoint.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/environment.h"
@@ -157,6 +158,7 @@ void add_bake_difmap_command(Command bake, CommonOptions& common) {
       "\nExamples:\n"
       "  ivory bake difmap sky.exr -o sky_difmap.exr\n"
       "  ivory bake difmap probe.hdr -o probe_difmap.exr --layout angular --size 32");
+  refuse_checkpoint_option(command);
   set_action(command, common, Output::file,
              [options, command, &common] { run_bake_difmap(*options, command, common); });
 }

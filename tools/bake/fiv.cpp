@@ -19,6 +19,7 @@
 #include "grid/io/environment.h"
 #include "grid/io/json.h"
 #include "tools/bake/asset_contract.h"
+#include "tools/bake/checkpoint.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/assumptions.h"
@@ -265,6 +266,7 @@ void add_bake_fiv_command(Command bake, CommonOptions& common) {
       "  ivory bake fiv bunny.glb --env sky.hdr -o bunny.exr --hemispheres 6\n"
       "  ivory render plaza.glb --env sky.hdr --object bunny.glb@1,0,2 --occluder bunny=bunny.exr --method fiv -o "
       "a.png");
+  refuse_checkpoint_option(command);
   set_action(command, common, Output::file, [options, command, &common] { run_bake_fiv(*options, command, common); });
 }
 

@@ -10,6 +10,7 @@
 #include "grid/field/resolve.h"
 #include "grid/io/file.h"
 #include "grid/io/vdb/vdb.h"
+#include "tools/bake/checkpoint.h"
 #include "tools/bake/grid_contract.h"
 #include "tools/bake/grid_report.h"
 #include "tools/bake/grid_result.h"
@@ -35,6 +36,9 @@ struct BakeGridOptions {
   std::uint64_t seed = 1;
   GridBakeParams params;
   GridContractOptions contract;
+  CheckpointOptions checkpoint;
+  int shards = 0;  // of how many the bake is made; 0: it is whole
+  int shard = 0;   // which of them this is
 };
 
 Box3f local_box(const Imath::Box3d& box, const V3d& anchor_m) {
@@ -81,6 +85,16 @@ DirectSources parse_direct(const std::string& text) {
   return direct;
 }
 
+// The photons of one of so many parts of about the same size.
+std::pair<std::uint64_t, std::uint64_t> shard_range(std::uint64_t photons, int shards, int shard) {
+  if (std::uint64_t(shards) > photons) throw UsageError(fmt::format("--shards: there are {} photons only", photons));
+  const auto begin = [&](int i) {
+    return photons / std::uint64_t(shards) * std::uint64_t(i) +
+           photons % std::uint64_t(shards) * std::uint64_t(i) / std::uint64_t(shards);
+  };
+  return {begin(shard), begin(shard + 1)};
+}
+
 // The input's first.
 void put_input_warnings(const SceneInput& input, nlohmann::ordered_json& result) {
   nlohmann::ordered_json warnings = input.warnings;
@@ -100,17 +114,23 @@ void run_contract(const BakeGridOptions& options, const GridBakeParams& bake, co
     put_input_warnings(input, result);
     return print_result(common, result, plan_text(plan, params.target));
   }
+  Metadata origin = input.origin;
+  origin["version"] = std::string(IVORY_VERSION);
+  CheckpointOptions checkpoint = options.checkpoint;
+  if (params.most_seconds) checkpoint.minutes = 0;
+  KeptCheckpoint kept(checkpoint, options.output, origin, common);
   const auto start = std::chrono::steady_clock::now();
   ContractResult contract = [&] {
     Progress progress(common, "baking", "photons");
+    params.bake.checkpoint = kept.policy(progress);
     params.note = [&](const std::string& line) { progress.note(line); };
     params.bake.progress = progress.callback();
     return bake_to_error(input.lit, params);
   }();
+  kept.baked();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   check_voxels(options.output, contract.sums.finest_frame());
-  for (const auto& [key, value] : input.origin) contract.sums.metadata[key] = value;
-  contract.sums.metadata["version"] = std::string(IVORY_VERSION);
+  for (const auto& [key, value] : origin) contract.sums.metadata[key] = value;
   keep_contract(contract, options.contract);
   std::string report;
   if (!options.contract.report.empty() && contract.certificate)
@@ -123,6 +143,7 @@ void run_contract(const BakeGridOptions& options, const GridBakeParams& bake, co
   result["plan"] = plan_json(contract.plan, params.target, anchor_m);
   result["seconds"] = seconds;
   put_input_warnings(input, result);
+  kept.finish(result);
   add_contract_result(contract, options.contract, result, common);
   print_result(common, result,
                result_text(result) + contract_text(contract) +
@@ -140,6 +161,13 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
     throw UsageError(fmt::format("--photon-range ends at {}, past the {} of --photons", params.photon_range->second,
                                  params.photons));
   }
+  if (options.shards != 0) {
+    if (options.shard >= options.shards)
+      throw UsageError(fmt::format("--shard: those of --shards {} are 0 to {}", options.shards, options.shards - 1));
+    if (options.contract.target || options.contract.dry_run)
+      throw UsageError("--shards: a bake to an error chooses its photons as it goes: give --photons instead");
+    params.photon_range = {{0, 1}};  // some: which, is known with the photons of the whole
+  }
   const bool contract = has_contract(options.contract, params);
   if (contract && params.levels > 1) {
     throw UsageError(
@@ -151,6 +179,8 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
         "--direct-of: an error is certified of all direct light or of none; give --voxel-size or "
         "--resolution, and --photons, instead of --target-error or --dry-run");
   }
+  if (options.checkpoint.is_given && options.checkpoint.minutes > 0 && options.contract.most_seconds)
+    throw UsageError("--checkpoint: what --max-time decides by the clock cannot be gone on from; give one of the two");
   params.max_memory_bytes = options.contract.most_memory_bytes;
   if (!options.contract.dry_run) check_output(options.output, ".vdb", common);
   if (!options.contract.report.empty() && !options.contract.dry_run)
@@ -167,6 +197,10 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
     // What a contract chooses has about that spacing, and memory bounds it.
     if (contract && !params.resolution && !params.voxel_size_m) return;
     check_grid_memory(scene, placed, params);
+    if (options.shards != 0) {
+      if (params.photons == 0) params.photons = default_photons(placed.vertex_count());
+      params.photon_range = shard_range(params.photons, options.shards, options.shard);
+    }
     if (contract) {
       params.frame = placed.frame;
     } else {
@@ -181,6 +215,9 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
                                    params.threads));
     params.threads = threads;
   }
+  Metadata origin = input.origin;
+  origin["version"] = std::string(IVORY_VERSION);
+  KeptCheckpoint kept(options.checkpoint, options.output, origin, common);
   const auto start = std::chrono::steady_clock::now();
   GridAccumulator sums = [&] {
     Progress pilot(common, "pilot", "photons");
@@ -194,17 +231,19 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
                               frame.spacing_m.x, frame.spacing_m.y, frame.spacing_m.z,
                               lattice.levels() == 1 ? "" : " on the finest"));
     params.progress = progress.callback();
+    params.checkpoint = kept.policy(progress);
     return bake_grid_sums(input.lit, params);
   }();
+  kept.baked();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  for (const auto& [key, value] : input.origin) sums.metadata[key] = value;
-  sums.metadata["version"] = std::string(IVORY_VERSION);
+  for (const auto& [key, value] : origin) sums.metadata[key] = value;
 
-  const double rate = static_cast<double>(sums.photon_end - sums.photon_begin) / seconds;
+  const double rate = static_cast<double>(sums.photon_end - sums.photon_begin - kept.done_before()) / seconds;
   auto result = write_result(options.output, std::move(sums), /*finished=*/!params.photon_range, common);
   result["seconds"] = seconds;
   result["photons_per_second"] = rate;
   put_input_warnings(input, result);
+  kept.finish(result);
   print_result(common, result,
                result_text(result) +
                    fmt::format("{:.2f} s, {} photons/s on {} threads\n", seconds, format_count(rate), params.threads));
@@ -259,12 +298,17 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
           "Photons of the whole bake; k, m, g are allowed [chosen by the error; 256 a vertex, at least 1m,\n"
           "where the spacing is given]")
       .type_name("COUNT");
-  command
-      .add_option(
-          "--photon-range",
-          [&params](const std::string& text) { params.photon_range = parse_range("--photon-range", text); },
-          "Trace photons A to B-1 of --photons only and write their sums, a part\nfor 'ivory merge'")
-      .type_name("A:B");
+  Option range = command.add_option(
+      "--photon-range",
+      [&params](const std::string& text) { params.photon_range = parse_range("--photon-range", text); },
+      "Trace photons A to B-1 of --photons only and write their sums, a part\nfor 'ivory merge'");
+  range.type_name("A:B");
+  Option shards = command.add_count("--shards", options->shards, 1, 1'000'000,
+                                    "The same for one of so many parts of one size, the one that --shard says");
+  shards.excludes(range);
+  Option shard = command.add_count("--shard", options->shard, 0, "Which part, from 0 to N-1 of --shards N");
+  shard.needs(shards);
+  shards.needs(shard);
   command.add_count("--seed", options->seed, "Seed of the random numbers");
   command.add_count("--bounces", params.max_bounces, 1, 1'000'000,
                     "Surfaces a photon may scatter at; Russian roulette ends most before");
@@ -298,9 +342,10 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
   command.add_choice("--guard", params.guard,
                      "Leak guard: rays and planes count only light that a vertex sees and store its\n"
                      "compact guard; off does neither");
+  add_checkpoint_option(command, options->checkpoint);
   add_grid_contract_options(command, options->contract);
   command.footer(
-      "The same command gives the same bytes with any --threads.\n"
+      "The same command gives the same bytes with any --threads, and however often it was stopped.\n"
       "\nExamples:\n"
       "  ivory bake grid room.glb -o room.vdb --target-error 2%\n"
       "  ivory bake grid room.glb -o room.vdb --resolution 48,24,48 --photons 16m\n"

@@ -12,6 +12,7 @@
 
 #include "grid/base/error.h"
 #include "tools/bake/asset_contract.h"
+#include "tools/bake/checkpoint.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 
@@ -205,6 +206,7 @@ void add_bake_lobes_command(Command bake, CommonOptions& common) {
       "one lobe that has them. The table depends on no scene.\n"
       "\nExample:\n"
       "  ivory bake lobes -o lobes.exr");
+  refuse_checkpoint_option(command);
   set_action(command, common, Output::file, [options, command, &common] { run(*options, command, common); });
 }
 

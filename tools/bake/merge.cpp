@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <memory>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "grid/base/error.h"
@@ -9,6 +10,7 @@
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/vdb/load.h"
+#include "tracer/bake/field/grid_checkpoint.h"
 
 namespace ivory {
 
@@ -22,6 +24,13 @@ struct MergeOptions {
 // Where a part's photons begin; 0 where the file does not say, which reading it then refuses.
 std::int64_t photon_begin(const std::string& path) { return find_int(load_vdb_info(path), "photon_begin").value_or(0); }
 
+// Checkpoints are parts, too.
+GridAccumulator load_part(const std::string& path) {
+  GridAccumulator part = load_accumulator_vdb(path);
+  std::erase_if(part.metadata, [](const auto& entry) { return entry.first.starts_with(checkpoint_prefix); });
+  return part;
+}
+
 void run_merge(const MergeOptions& options, const CommonOptions& common) {
   check_output(options.output, ".vdb", common);
   // In order of their photons and one after the other, so that two parts at most are in memory.
@@ -29,19 +38,27 @@ void run_merge(const MergeOptions& options, const CommonOptions& common) {
   for (const std::string& part : options.parts) order.emplace_back(photon_begin(part), part);
   std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
 
-  GridAccumulator total = load_accumulator_vdb(order[0].second);
+  GridAccumulator total = load_part(order[0].second);
   for (std::size_t i = 1; i < order.size(); ++i) {
     std::vector<GridAccumulator> two;
     two.push_back(std::move(total));
-    two.push_back(load_accumulator_vdb(order[i].second));
+    two.push_back(load_part(order[i].second));
     total = merge(std::move(two), {order[i - 1].second, order[i].second});
   }
   const bool whole = is_whole(total);
+  std::string missing;
+  const auto photons = std::uint64_t(find_int(total.metadata, "photons").value_or(0));
+  if (total.photon_begin > 0) missing = fmt::format("0:{}", total.photon_begin);
+  if (total.photon_end < photons)
+    missing += fmt::format("{}{}:{}", missing.empty() ? "" : " and ", total.photon_end, photons);
   auto result = write_result(options.output, std::move(total), whole, common);
   result["parts"] = options.parts.size();
   result["complete"] = whole;
   std::string text = result_text(result);
-  if (!whole) text += "photons are still missing: merge this file with the other parts to finish the grid\n";
+  if (!whole) {
+    result["missing"] = missing;
+    text += "photons " + missing + " are still missing: merge this file with the other parts to finish the grid\n";
+  }
   print_result(common, result, text);
 }
 
@@ -58,7 +75,9 @@ void add_merge_command(Command app, CommonOptions& common) {
       "\nExample:\n"
       "  ivory bake grid room.glb -o a.vdb --photons 16m --photon-range 0:8m\n"
       "  ivory bake grid room.glb -o b.vdb --photons 16m --photon-range 8m:16m\n"
-      "  ivory merge a.vdb b.vdb -o room.vdb");
+      "  ivory merge a.vdb b.vdb -o room.vdb\n"
+      "  ivory bake grid room.glb -o part-$I.vdb --photons 1g --shards 64 --shard $I   (I from 0 to 63, anywhere)\n"
+      "  ivory merge part-*.vdb -o room.vdb");
   set_action(command, common, Output::file, [options, &common] { run_merge(*options, common); });
 }
 

@@ -12,6 +12,7 @@
 #include "grid/env/irradiance/error.h"
 #include "grid/io/export/sh9_dialect.h"
 #include "tools/bake/asset_contract.h"
+#include "tools/bake/checkpoint.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/environment.h"
@@ -239,6 +240,7 @@ void add_bake_sh9_command(Command bake, CommonOptions& common) {
       "\nExamples:\n"
       "  ivory bake sh9 sky.exr -o sky.json\n"
       "  ivory bake sh9 probe.hdr -o probe.json --layout angular --order 2 --window auto --dialect three.js");
+  refuse_checkpoint_option(command);
   set_action(command, common, Output::file, [options, command, &common] { run_bake_sh9(*options, command, common); });
 }
 

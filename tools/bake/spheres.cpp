@@ -13,6 +13,7 @@
 #include "grid/io/json.h"
 #include "grid/io/sphere_set.h"
 #include "tools/bake/asset_contract.h"
+#include "tools/bake/checkpoint.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/assumptions.h"
@@ -186,6 +187,7 @@ void add_bake_spheres_command(Command bake, CommonOptions& common) {
       "The volume that the spheres add and the volume that they leave out are made as small as can be, in sum.\n"
       "\nExample:\n"
       "  ivory bake spheres bunny.glb -o bunny.json --count 64");
+  refuse_checkpoint_option(command);
   set_action(command, common, Output::file, [options, command, &common] { run(*options, command, common); });
 }
 

@@ -68,7 +68,10 @@ void print_warnings(const CommonOptions& common, const std::vector<std::string>&
 }
 
 Progress::Progress(const CommonOptions& common, std::string label, std::string unit)
-    : label_(std::move(label)), unit_(std::move(unit)), visible_(!common.quiet && ::isatty(STDERR_FILENO) == 1) {}
+    : label_(std::move(label)),
+      unit_(std::move(unit)),
+      quiet_(common.quiet),
+      visible_(!common.quiet && ::isatty(STDERR_FILENO) == 1) {}
 
 Progress::~Progress() {
   if (drawn_) print_stderr("\r\033[K");
@@ -97,9 +100,13 @@ void Progress::update(std::uint64_t done, std::uint64_t total) {
 }
 
 void Progress::note(const std::string& line) {
-  if (!visible_) return;
+  if (visible_) say(line);
+}
+
+void Progress::say(const std::string& line) {
+  if (quiet_) return;
   const std::scoped_lock lock(mutex_);
-  print_stderr((drawn_ ? "\r\033[K" : "") + line + "\n");
+  print_stderr((drawn_ ? "\r\033[K" : "") + in_one_line(line) + "\n");
 }
 
 std::function<void(std::uint64_t, std::uint64_t)> Progress::callback() {

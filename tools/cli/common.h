@@ -62,6 +62,8 @@ class Progress {
   void update(std::uint64_t done, std::uint64_t total);
   // A line above the progress, shown where progress is: what is about to happen.
   void note(const std::string& line);
+  // The same wherever stderr goes, unless --quiet: what people must know.
+  void say(const std::string& line);
   // update() as a callback; this object must outlive it.
   std::function<void(std::uint64_t, std::uint64_t)> callback();
 
@@ -69,6 +71,7 @@ class Progress {
   using Clock = std::chrono::steady_clock;
   std::string label_;
   std::string unit_;
+  bool quiet_;
   bool visible_;
   bool drawn_ = false;
   // Of the first update: what came before was preparation, not work to be timed.

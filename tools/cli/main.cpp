@@ -1,4 +1,4 @@
-// ivory: the command line. Exit codes: 0 done, 1 failed, 2 usage.
+// ivory: the command line. Exit codes: 0 done, 1 failed, 2 usage, 130 and 143 stopped by a signal.
 #include <csignal>
 
 #include "tools/cli/program.h"

@@ -10,6 +10,8 @@
 #include "grid/base/error.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
+#include "tools/cli/interrupt.h"
+#include "tracer/bake/checkpoint.h"
 
 namespace ivory {
 
@@ -44,7 +46,8 @@ ProgramEnd run(int argc, char** argv) {
       "  ivory render room.glb --method gather --grid room.vdb -o room.exr\n"
       "  ivory info room.vdb\n"
       "World: right-handed, +Y up, metres. Radiance in nits, irradiance in lux, linear Rec.709 colour.\n"
-      "Exit codes: 0 done, 1 failed (one line on stderr says what, which file, what to do), 2 usage.\n"
+      "Exit codes: 0 done, 1 failed (one line on stderr says what, which file, what to do), 2 usage,\n"
+      "130 and 143: stopped by Ctrl-C and SIGTERM, what was baked so far being kept (--checkpoint).\n"
       "'ivory COMMAND --help' explains a command.");
 
   // One line a command of commands.h.
@@ -90,6 +93,8 @@ ProgramEnd run_program(int argc, char** argv) {
     return run(argc, argv);
   } catch (const UsageError& error) {
     return end(exit_usage, error.what());
+  } catch (const BakeStopped& stopped) {
+    return end(interrupted_exit_code(), stopped.what());
   } catch (const std::bad_alloc&) {
     return end(exit_failed, "not enough memory; ask for less (--resolution, --size), or free some and try again");
   } catch (const std::exception& error) {

@@ -1,6 +1,7 @@
 #include "grid/io/vdb/seal.h"
 
 #include <cassert>
+#include <cerrno>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -9,9 +10,14 @@
 #include <vector>
 
 #include <OpenImageIO/hash.h>
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 #include "grid/base/error.h"
+#include "grid/io/file.h"
 
 namespace ivory {
 
@@ -28,7 +34,7 @@ constexpr std::size_t header_length = uuid_offset + uuid_length;
 constexpr std::string_view mark = "69766f72-7900-8000-8";
 constexpr std::uint64_t checksum_mask = (std::uint64_t(1) << 60U) - 1;
 
-std::string uuid_of(const std::string& bytes) {
+std::string uuid_of(std::string_view bytes) {
   // Both parts enter: the second hash is seeded by the first.
   const std::uint64_t head = OIIO::xxhash::XXH64(bytes.data(), uuid_offset, 0);
   const std::uint64_t all =
@@ -42,6 +48,28 @@ std::string uuid_of(const std::string& bytes) {
 void seal_vdb(std::string& bytes) {
   assert(bytes.size() > header_length);
   bytes.replace(uuid_offset, uuid_length, uuid_of(bytes));
+}
+
+void seal_vdb_file(const std::string& file, const std::string& path) {
+  const int descriptor = ::open(file.c_str(), O_RDWR | O_CLOEXEC);
+  if (descriptor < 0) throw not_written(path, errno);
+  struct stat status {};
+  int error = ::fstat(descriptor, &status) == 0 ? 0 : errno;
+  if (error == 0) {
+    const auto size = std::size_t(status.st_size);
+    assert(size > header_length);
+    // Not read, but mapped: it may be larger than what memory is left.
+    void* const bytes = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, descriptor, 0);
+    if (bytes == MAP_FAILED) {
+      error = errno;
+    } else {
+      const std::string uuid = uuid_of({static_cast<const char*>(bytes), size});
+      if (::pwrite(descriptor, uuid.data(), uuid_length, uuid_offset) != ssize_t(uuid_length)) error = errno;
+      ::munmap(bytes, size);
+    }
+  }
+  ::close(descriptor);
+  if (error != 0) throw not_written(path, error);
 }
 
 namespace {

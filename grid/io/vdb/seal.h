@@ -11,6 +11,9 @@ namespace ivory {
 // Replaces the UUID of a whole .vdb file held in memory.
 void seal_vdb(std::string& bytes);
 
+// Of one on the disk, all of which has been written. Throws Error, which names `path`, where that fails.
+void seal_vdb_file(const std::string& file, const std::string& path);
+
 // Does the file bear ivory's mark? Reads its first bytes alone. Throws Error where it cannot be read or is no .vdb
 // file.
 bool is_sealed_vdb(const std::string& path);

@@ -1,8 +1,9 @@
 // Writing half of grid/io/vdb/vdb.h.
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <span>
-#include <sstream>
+#include <utility>
 
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
@@ -10,6 +11,8 @@
 
 #include "grid/base/error.h"
 #include "grid/io/file.h"
+#include "grid/io/vdb/archive.h"
+#include "grid/io/vdb/file_stream.h"
 #include "grid/io/vdb/layout.h"
 #include "grid/io/vdb/open_file.h"
 #include "grid/io/vdb/rounding.h"
@@ -26,19 +29,6 @@ openvdb::math::Transform::Ptr transform_of(const GridVertices& grid, int level) 
   const auto m = transform_matrix({grid.frame_of(level), grid.anchor_m});
   return openvdb::math::Transform::createLinearTransform(openvdb::Mat4d(m.data()));
 }
-
-// io::File can only write to a name; the bytes are wanted in memory, to be sealed.
-class MemoryArchive : public openvdb::io::Archive {
- public:
-  explicit MemoryArchive(std::uint32_t compression) { setCompression(compression | openvdb::io::COMPRESS_ACTIVE_MASK); }
-  std::string sealed_bytes(const openvdb::GridCPtrVec& grids, const openvdb::MetaMap& metadata) {
-    std::ostringstream out(std::ios::binary);
-    Archive::write(out, grids, /*seekable=*/true, metadata);
-    std::string result = std::move(out).str();
-    seal_vdb(result);
-    return result;
-  }
-};
 
 // Numbers whose last bits were rounded off make a third less by deflate than by Blosc's LZ4, which knows repetitions
 // alone and is ten times as fast.
@@ -312,23 +302,6 @@ void write_vdb(const std::string& path, const GridAccumulator& accumulator, bool
                        std::any_of(first, first + std::ptrdiff_t(stride), [](std::int64_t sum) { return sum != 0; });
     }
 
-    openvdb::GridCPtrVec grids;
-    for (int level = 0; level < accumulator.levels(); ++level) {
-      const auto transform = transform_of(accumulator, level);
-      const auto add = [&](const std::vector<std::int64_t>& sums, const std::string& group) {
-        const std::size_t before = grids.size();
-        grids.resize(before + stride);
-        tbb::parallel_for(std::size_t(0), stride, [&](std::size_t i) {
-          grids[before + i] =
-              make_grid<openvdb::Int64Grid>(in_group(group, names[i]), transform->copy(), accumulator, level, active,
-                                            [&](std::size_t vertex) { return sums[vertex * stride + i]; });
-        });
-      };
-      add(accumulator.sums, "");
-      for (const SumGroup& group : accumulator.groups) add(group.sums, group.name);
-      add_visibility(grids, transform, accumulator, level, active);
-    }
-
     openvdb::MetaMap metadata = common_metadata(vdb_accumulator_kind, accumulator);
     put_groups(metadata, accumulator.groups);
     put(metadata, file_prefix + "estimator", name_of(accumulator.estimator));
@@ -338,8 +311,38 @@ void write_vdb(const std::string& path, const GridAccumulator& accumulator, bool
     put(metadata, file_prefix + "photon_end", std::int64_t(accumulator.photon_end));
     put(metadata, file_prefix + "guard_stored", std::int64_t(accumulator.guard.empty() ? 0 : 1));
     for (const auto& [key, value] : accumulator.counters) put(metadata, counter_prefix + key, value);
-    add_metadata_copy(grids, metadata);
-    write_file(path, MemoryArchive(sums_compression).sealed_bytes(grids, metadata), force);
+
+    PendingFile pending(path, force);
+    {
+      FileStream out(pending, path);
+      const std::size_t a_level = stride * (1 + accumulator.groups.size()) + (accumulator.guard.empty() ? 1 : 3);
+      GridStream stream(out, sums_compression, metadata, std::int32_t(a_level * std::size_t(accumulator.levels())));
+      for (int level = 0; level < accumulator.levels(); ++level) {
+        const auto transform = transform_of(accumulator, level);
+        const auto add = [&](const std::vector<std::int64_t>& sums, const std::string& group) {
+          constexpr std::size_t at_once = 8;
+          std::array<openvdb::GridBase::Ptr, at_once> made;
+          for (std::size_t first = 0; first < stride; first += at_once) {
+            const std::size_t count = std::min(at_once, stride - first);
+            tbb::parallel_for(std::size_t(0), count, [&](std::size_t i) {
+              made[i] = make_grid<openvdb::Int64Grid>(
+                  in_group(group, names[first + i]), transform->copy(), accumulator, level, active,
+                  [&](std::size_t vertex) { return sums[vertex * stride + first + i]; });
+            });
+            for (std::size_t i = 0; i < count; ++i) stream.add(std::exchange(made[i], nullptr));
+          }
+        };
+        add(accumulator.sums, "");
+        for (const SumGroup& group : accumulator.groups) add(group.sums, group.name);
+        openvdb::GridCPtrVec grids;
+        add_visibility(grids, transform, accumulator, level, active);
+        add_metadata_copy(grids, metadata);
+        for (const auto& grid : grids) stream.add(grid);
+      }
+      out.flush_all();
+    }
+    seal_vdb_file(pending.temporary(), path);
+    pending.commit();
   });
 }
 

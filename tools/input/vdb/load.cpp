@@ -3,6 +3,8 @@
 #include <filesystem>
 
 #include "grid/base/error.h"
+#include "grid/field/resolve.h"
+#include "grid/io/vdb/layout.h"
 #include "grid/io/vdb/seal.h"
 #include "grid/io/vdb/vdb.h"
 #include "tools/input/vdb/trial.h"
@@ -37,6 +39,15 @@ IrradianceGrid load_grid_vdb(const std::string& path, bool with_groups) {
 }
 
 GridAccumulator load_accumulator_vdb(const std::string& path) { return read_safely(path, read_accumulator_vdb); }
+
+IrradianceGrid load_grid_or_sums_vdb(const std::string& path, bool with_groups) {
+  if (find_text(load_vdb_info(path), "kind") != vdb_accumulator_kind) return load_grid_vdb(path, with_groups);
+  const GridAccumulator sums = load_accumulator_vdb(path);
+  IrradianceGrid grid = with_groups ? resolve_groups(sums) : resolve(sums);
+  grid.metadata["photon_begin"] = std::int64_t(sums.photon_begin);
+  grid.metadata["photon_end"] = std::int64_t(sums.photon_end);
+  return grid;
+}
 
 Metadata load_vdb_info(const std::string& path) { return read_safely(path, read_vdb_info); }
 

@@ -135,7 +135,7 @@ std::size_t ViewAsset::bytes() const {
 std::unique_ptr<ViewAsset> load_view_asset(const std::string& path, FileKind kind, const V3d& anchor_m) {
   switch (kind) {
     case FileKind::grid: {
-      IrradianceGrid grid = load_grid_vdb(path, /*with_groups=*/true);
+      IrradianceGrid grid = load_grid_or_sums_vdb(path, /*with_groups=*/true);
       set_anchor(grid, anchor_m);
       GridAsset asset = make_grid_asset(path, grid);
       Metadata metadata = grid.metadata;

@@ -92,6 +92,17 @@ void find_extended_lights(ViewSession& session) {
   if (session.environment_map) add(ExtendedKind::environment, environment_points(*session.environment_map));
 }
 
+// A bake that is under way shows the light of its photons so far.
+void note_preview(ViewSession& session, const ViewAsset& asset) {
+  const auto number = [&](const char* key) { return find_int(asset.metadata, key); };
+  const auto begin = number("photon_begin");
+  const auto end = number("photon_end");
+  const auto photons = number("photons");
+  if (!begin || !end || !photons || *end - *begin >= *photons) return;
+  session.notes.push_back(
+      fmt::format("note: {} is a preview, of {} of {} photons", asset.path, *end - *begin, *photons));
+}
+
 // Assets of another environment than the one behind show light that is not there.
 void note_environment(ViewSession& session, const ViewAsset& asset) {
   if (!session.environment_hash.empty() && !asset.environment_hash.empty() &&
@@ -246,6 +257,7 @@ std::string add_file(ViewSession& session, const std::string& path, const std::o
   if (kind == FileKind::grid) {
     if (const auto hash = find_text(asset->metadata, "scene_hash"); hash && *hash != session.world.scene().content_hash)
       session.notes.push_back(fmt::format("note: {} was baked from another scene", path));
+    note_preview(session, *asset);
     if (session.debug_grid == nullptr) session.debug_grid = asset.get();
   }
   note_environment(session, *asset);

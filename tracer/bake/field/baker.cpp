@@ -1,18 +1,14 @@
 #include "tracer/bake/field/baker.h"
 
 #include <algorithm>
-#include <memory>
-#include <mutex>
 #include <utility>
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include "grid/base/error.h"
-#include "tracer/bake/field/deposit/photon_deposit.h"
+#include "tracer/bake/field/deposit/photon_sums.h"
+#include "tracer/bake/field/grid_checkpoint.h"
 #include "tracer/bake/field/guard_fit.h"
 #include "tracer/bake/field/kept_vertices.h"
 #include "tracer/bake/field/lit_vertices.h"
@@ -24,7 +20,6 @@ namespace ivory {
 namespace {
 
 constexpr std::uint64_t scout_photons_a_vertex = 4;
-constexpr std::uint64_t photons_a_batch = 2048;  // about 10,000 segments: they stay in the second-level cache
 
 // A local coordinate in the world, as the command line takes it.
 std::string text_of(float x, double anchor) {
@@ -41,8 +36,8 @@ std::string text_of(const std::vector<Box3f>& boxes, const V3d& anchor) {
   return text.empty() ? "none" : text;
 }
 
-Metadata describe(const Scene& scene, const GridBakeParams& params, const Lattice& lattice, std::uint64_t photons,
-                  const SumLayout& layout, const Pilot& pilot, const Lights::Emission& unguided) {
+// What is known before a photon flies.
+Metadata describe(const Scene& scene, const GridBakeParams& params, const Lattice& lattice, std::uint64_t photons) {
   Metadata m;
   m["method"] = std::string("irradiance grid");
   m["basis"] = std::string(name_of(params.basis));
@@ -75,8 +70,12 @@ Metadata describe(const Scene& scene, const GridBakeParams& params, const Lattic
     m["level_vertices"] = counts;
   }
   m["units"] = std::string("lux");
-  m["sum_slots"] = static_cast<std::int64_t>(layout.slots);
+  m["sum_slots"] = static_cast<std::int64_t>(sum_layout(params.basis, params.estimator).slots);
   m["emission"] = std::string(name_of(params.emission));
+  return m;
+}
+
+void describe_emission(const Pilot& pilot, const Lights::Emission& unguided, Metadata& m) {
   m["pilot_photons"] = static_cast<std::int64_t>(pilot.photons);
   if (pilot.photons != 0) {
     m["pilot_reach_unguided"] = pilot.reach_before;
@@ -89,26 +88,33 @@ Metadata describe(const Scene& scene, const GridBakeParams& params, const Lattic
     m["entry_discs_m"] = text;
     m["photon_power_lm"] = double(unguided.photon_power().strongest_lm);
   }
-  return m;
 }
 
-// The sums of each group, the first of which `result` has, and in their place there those of all.
-void add_groups(GridAccumulator& result, const LightGroups& groups, std::vector<DepositTarget>& targets) {
-  for (std::size_t group = 0; group < targets.size(); ++group) {
-    std::vector<std::int64_t> sums =
-        group == 0 ? result.sums : to_accumulator(std::exchange(targets[group], DepositTarget{})).sums;
-    if (group != 0) {
-      tbb::parallel_for(tbb::blocked_range<std::size_t>(0, sums.size(), 1 << 16), [&](const auto& range) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i) result.sums[i] += sums[i];
-      });
-    }
-    result.groups.push_back({groups.names[group], std::move(sums)});
+// Traces what is missing of photons [bake.photon_begin, end) into `sums`, with checkpoints; bake.photon_end says what
+// is there.
+void trace_with_checkpoints(PhotonSums& sums, GridAccumulator& bake, std::uint64_t end, const GridBakeParams& params,
+                            GridCheckpoint* checkpoint) {
+  const std::uint64_t begin = bake.photon_begin;
+  for (;;) {
+    const std::uint64_t first = bake.photon_end;
+    bake.photon_end = sums.trace(first, end, [&](std::uint64_t done) {
+      if (params.progress) params.progress(first + done - begin, end - begin);
+      return checkpoint != nullptr && checkpoint->is_wanted();
+    });
+    // Asked at the very end, too: what comes after may take longer than who wants to leave is to wait.
+    const bool is_stopping = checkpoint != nullptr && checkpoint->is_to_stop();
+    if (bake.photon_end == end && !is_stopping) return;
+    sums.take(bake);
+    checkpoint->write(bake);
+    if (is_stopping) checkpoint->stop(bake.photon_end);
+    sums.put(bake);
   }
 }
 
 }  // namespace
 
-GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params) {
+GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params,
+                               std::optional<GridAccumulator> at_hand) {
   const Scene& scene = *lit.scene;
   if (lit.lights.empty())
     throw Error(scene.name, "nothing in it shines", "add a light, an emissive material or an environment");
@@ -121,12 +127,18 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
 
   const std::uint64_t photons = params.photons != 0 ? params.photons : default_photons(vertices);
   const auto range = params.photon_range.value_or(std::pair<std::uint64_t, std::uint64_t>{0, photons});
-  const std::uint64_t begin = range.first;  // Clang 14 does not capture structured bindings
-  const std::uint64_t end = range.second;
-  if (begin >= end || end > photons) {
+  if (range.first >= range.second || range.second > photons) {
     throw ParameterError("photon_range", "it must be A:B with A below B and B at most the " + std::to_string(photons) +
                                              " photons of the whole bake");
   }
+
+  GridAccumulator result;
+  result.photon_begin = at_hand ? at_hand->photon_begin : range.first;
+  result.light = stored_light(params.include_direct);
+  result.anchor_m = scene.anchor_m;
+  result.metadata = describe(scene, params, lattice, photons);
+  std::optional<GridCheckpoint> checkpoint;
+  if (params.checkpoint) checkpoint.emplace(params, lattice, result.metadata, result.photon_begin, range.second);
 
   std::vector<std::uint64_t> masks = params.guard == Guard::off
                                          ? std::vector<std::uint64_t>(vertices, ~std::uint64_t(0))
@@ -138,8 +150,7 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
       if (!kept[v]) masks[v] = 0;
     }
   }
-  std::vector<float> visible_fraction = visible_fractions(masks);
-  std::vector<GuardRecord> guard;
+  result.visible_fraction = visible_fractions(masks);
   const Lights::Emission unguided = lit.lights.emission(emission_target(lattice.finest_frame(), params));
   // What photons find out beforehand is found by as many whether the bake then ends or goes on.
   const std::uint64_t pilot_photons = params.pilot_for_photons != 0 ? params.pilot_for_photons : photons;
@@ -161,86 +172,36 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
   if (params.guard != Guard::off) {
     const std::uint64_t scouts = std::min(pilot_photons, scout_photons_a_vertex * vertices);
     const std::vector<bool> reached = lit_vertices(tracer, lattice, masks, scouts);
-    guard = fit_guard(lit.intersector, lattice, visible_fraction, reached);
+    result.guard = fit_guard(lit.intersector, lattice, result.visible_fraction, reached);
   }
 
   const Lights::PhotonPower power = tracer.emission().photon_power();
   // As affordable_threads() reckoned before there was a guide: most photons are near the strongest.
   const int fine = fine_bits(unguided.photon_power());
-  // One for each group of lights: what they add up to is what one would have.
   const std::size_t groups = params.groups ? params.groups->names.size() : 1;
-  std::vector<DepositTarget> targets;
-  targets.reserve(groups);
-  targets.push_back(make_deposit_target(lattice, params.basis, params.estimator, power.strongest_lm, std::move(masks),
-                                        fine, power.heaviest_lm, choose_buffers(vertices * groups, layout, fine)));
-  while (targets.size() < groups) targets.push_back(targets.front());
-  struct Worker {
-    std::vector<PhotonDepositor> depositors;  // [group]
-    std::vector<std::vector<PhotonSegment>> of_group;
-    std::vector<PhotonSegment> segments;
-    PhotonLedger ledger;
-  };
-  const auto deposit = [&](Worker& worker) {
-    if (!params.groups) return worker.depositors.front().deposit(worker.segments);
-    for (const PhotonSegment& segment : worker.segments)
-      worker.of_group[std::size_t(params.groups->of_light[std::size_t(segment.light)])].push_back(segment);
-    for (std::size_t group = 0; group < groups; ++group) {
-      worker.depositors[group].deposit(worker.of_group[group]);
-      worker.of_group[group].clear();
-    }
-  };
-  // One for each of the arena's slots: over time more threads may take part than at once.
-  tbb::task_arena arena(threads);
-  std::vector<std::unique_ptr<Worker>> workers(static_cast<std::size_t>(threads));
-  std::mutex progress_mutex;
-  std::uint64_t done = 0;
-  // As many of each group: their sums, too, are found in the cache when there are several to add.
-  const std::uint64_t batch_photons = photons_a_batch * groups;
-  const std::uint64_t batches = (end - begin + batch_photons - 1) / batch_photons;
-  const auto trace_batches = [&](const tbb::blocked_range<std::uint64_t>& batch_range) {
-    std::unique_ptr<Worker>& own = workers[std::size_t(tbb::this_task_arena::current_thread_index())];
-    if (!own) {
-      own = std::make_unique<Worker>();
-      own->depositors.reserve(groups);
-      for (DepositTarget& target : targets) own->depositors.emplace_back(target);
-      own->of_group.resize(groups);
-    }
-    Worker& worker = *own;
-    for (std::uint64_t batch = batch_range.begin(); batch < batch_range.end(); ++batch) {
-      const std::uint64_t first = begin + batch * batch_photons;
-      const std::uint64_t last = std::min(first + batch_photons, end);
-      worker.segments.clear();
-      tracer.trace(first, last, worker.segments, worker.ledger);
-      deposit(worker);
-      if (params.progress) {
-        const std::lock_guard lock(progress_mutex);
-        done += last - first;
-        params.progress(done, end - begin);
-      }
-    }
-  };
-  arena.execute([&] { tbb::parallel_for(tbb::blocked_range<std::uint64_t>(0, batches, 4), trace_batches); });
-  PhotonLedger ledger;
-  for (const std::unique_ptr<Worker>& worker : workers) {
-    if (!worker) continue;
-    for (PhotonDepositor& depositor : worker->depositors) depositor.flush();
-    ledger += worker->ledger;
-  }
-
-  workers.clear();
-  GridAccumulator result = to_accumulator(std::move(targets.front()));
-  if (params.groups) add_groups(result, *params.groups, targets);
-  result.anchor_m = scene.anchor_m;
-  result.visible_fraction = std::move(visible_fraction);
-  result.guard = std::move(guard);
-  result.light = stored_light(params.include_direct);
-  result.photon_begin = begin;
-  result.photon_end = end;
-  result.counters = {{"ledger_emitted", ledger.emitted}, {"ledger_absorbed", ledger.absorbed},
-                     {"ledger_escaped", ledger.escaped}, {"ledger_terminated", ledger.terminated},
-                     {"photons_traced", ledger.photons}, {"rays_traced", ledger.rays}};
-  result.metadata = describe(scene, params, result, photons, layout, pilot, unguided);
+  PhotonSums sums(tracer,
+                  make_deposit_target(lattice, params.basis, params.estimator, power.strongest_lm, std::move(masks),
+                                      fine, power.heaviest_lm, choose_buffers(vertices * groups, layout, fine)),
+                  params.groups ? &*params.groups : nullptr, threads);
+  describe_emission(pilot, unguided, result.metadata);
   result.metadata["ledger_unit_lm"] = tracer.ledger_unit_lm();
+  result.photon_end = range.first;
+  if (checkpoint && checkpoint->is_there()) {
+    at_hand.reset();
+    sums.take(result);  // none yet; what they have in common with the file's is of interest
+    std::vector<std::int64_t>().swap(result.sums);
+    for (SumGroup& group : result.groups) std::vector<std::int64_t>().swap(group.sums);
+    at_hand = checkpoint->read(result);
+  }
+  if (at_hand) {
+    if (at_hand->sums.empty())
+      throw Error(scene.name, "the checkpoint that its bake went on from is gone", "start the same command again");
+    result.photon_end = at_hand->photon_end;
+    sums.put(*at_hand);
+    at_hand.reset();
+  }
+  trace_with_checkpoints(sums, result, range.second, params, checkpoint ? &*checkpoint : nullptr);
+  sums.take(result);
   return result;
 }
 

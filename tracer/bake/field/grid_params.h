@@ -9,6 +9,7 @@
 
 #include "grid/base/names.h"
 #include "grid/field/accumulator.h"
+#include "tracer/bake/checkpoint.h"
 #include "tracer/lights/groups.h"
 
 namespace ivory {
@@ -55,6 +56,7 @@ struct GridBakeParams {
       nullptr;  // photons; called from any thread, one at a time
   std::function<void(std::uint64_t done, std::uint64_t total)> pilot_progress =
       nullptr;  // the same of the pilot, before
+  std::optional<CheckpointPolicy> checkpoint = std::nullopt;
 };
 
 }  // namespace ivory

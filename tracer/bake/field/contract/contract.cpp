@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include "grid/base/error.h"
 #include "grid/field/resolve.h"
+#include "tracer/bake/field/contract/journal.h"
 #include "tracer/bake/field/contract/planner.h"
 #include "tracer/bake/field/contract/state.h"
 
@@ -17,12 +21,13 @@ namespace {
 constexpr std::uint64_t points_a_round = std::uint64_t(1) << 36U;  // of the domain, that a certificate may take
 constexpr int most_rounds = 4;
 
-void bake_chosen(ContractState& state) {
+void bake_chosen(ContractState& state, const Journal& journal) {
   SumsAtHand& at_hand = state.at_hand;
   const Lattice& lattice = state.chosen_candidate().lattice;
   GridBakeParams bake = state.chosen_candidate().bake;
   bake.lattice = lattice;
   bake.photons = state.chosen.photons;
+  bake.checkpoint = journal.policy();
   const Stopwatch watch;
   // Where photons are sent was found out for so many of them; for many more it is worth another look.
   constexpr double stale = 8;
@@ -30,19 +35,26 @@ void bake_chosen(ContractState& state) {
       at_hand.stand_on(lattice) && at_hand.photons <= state.chosen.photons &&
       (bake.emission != EmissionMode::guided || double(state.chosen.photons) <= stale * double(at_hand.guide_photons));
   state.note(fmt::format("{} {} vertices on {} level{}, {:.4g} m apart{}, to {} photons",
-                         goes_on ? "going on with" : "baking", lattice.vertex_count(), lattice.levels(),
-                         lattice.levels() == 1 ? "" : "s", spacing_of(lattice.finest_frame()),
-                         lattice.levels() == 1 ? "" : " on the finest", state.chosen.photons));
+                         journal.is_known() ? "done before:"
+                         : goes_on          ? "going on with"
+                                            : "baking",
+                         lattice.vertex_count(), lattice.levels(), lattice.levels() == 1 ? "" : "s",
+                         spacing_of(lattice.finest_frame()), lattice.levels() == 1 ? "" : " on the finest",
+                         state.chosen.photons));
   if (!goes_on) {
     at_hand.sums.reset();
     at_hand.guide_photons = state.chosen.photons;
+  }
+  if (journal.is_known()) {
+    // A checkpoint has the sums, of these photons and of some that came after.
+    at_hand.sums.emplace();
+    static_cast<Lattice&>(*at_hand.sums) = lattice;
+  } else if (!goes_on) {
     at_hand.sums = bake_grid_sums(state.lit, bake);
   } else if (at_hand.photons < state.chosen.photons) {
     bake.pilot_for_photons = at_hand.guide_photons;
     bake.photon_range = {{at_hand.photons, state.chosen.photons}};
-    GridAccumulator more = bake_grid_sums(state.lit, bake);
-    at_hand.sums->metadata["photons"] = more.metadata["photons"];
-    at_hand.add(std::move(more));
+    at_hand.sums = bake_grid_sums(state.lit, bake, std::exchange(at_hand.sums, std::nullopt));
   }
   state.times.measured += watch.seconds();
   state.times.modelled += state.chosen.seconds;
@@ -101,6 +113,7 @@ GridPlan plan_grid(const LitScene& lit, const ContractParams& params) {
 
 ContractResult bake_to_error(const LitScene& lit, const ContractParams& params) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, std::size_t(thread_limit(params)));
+  Journal journal(lit, params);
   ContractState state(lit, params);
   ContractResult out;
   out.plan = make_plan(state);
@@ -108,31 +121,36 @@ ContractResult bake_to_error(const LitScene& lit, const ContractParams& params) 
   if (state.points.mean_e_lux <= 0) {
     GridBakeParams bake = params.bake;
     bake.photons = out.plan.photons;
+    bake.checkpoint = journal.policy();
     out.sums = bake_grid_sums(lit, bake);
     return out;
   }
   double bake_seconds = 0;
   for (out.rounds = 1;; ++out.rounds) {
-    bake_chosen(state);
+    bake_chosen(state, journal);
     bake_seconds += state.chosen.seconds;
     // The points of the plan see at no cost what is plainly not enough: certificates are for what may be.
-    if (out.rounds < most_rounds &&
-        improve(state, error_at(state.points, resolve(*state.at_hand.sums), lit.intersector, params.lookup)))
+    if (out.rounds < most_rounds && improve(state, journal.reached([&] {
+          return error_at(state.points, resolve(*state.at_hand.sums), lit.intersector, params.lookup);
+        })))
       continue;
-    state.note(fmt::format("measuring the error against path tracing"));
-    out.certificate = certificate(state, out.rounds, bake_seconds);
-    if (!out.certificate) break;
-    const FieldCertificate& measured = *out.certificate;
-    const auto part = [&](const char* name) {
-      return measured.summary.parts.contains(name) ? measured.summary.parts.at(name) : 0.0;
-    };
-    if (out.rounds == most_rounds || !improve(state, {measured.interval.error, part("noise")})) break;
+    const ReachedError reached = journal.reached([&]() -> ReachedError {
+      state.note(fmt::format("measuring the error against path tracing"));
+      out.certificate = certificate(state, out.rounds, bake_seconds);
+      if (!out.certificate) return {};
+      const std::map<std::string, double>& parts = out.certificate->summary.parts;
+      const auto noise = parts.find("noise");
+      return {out.certificate->interval.error, noise == parts.end() ? 0.0 : noise->second};
+    });
+    if (out.rounds == most_rounds || !improve(state, reached)) break;
   }
   if (out.certificate && out.certificate->interval.error > params.target && out.plan.limited_by.empty()) {
     const std::string cause = what_limits(state);
     out.plan.limited_by = cause.empty() ? "predictions that promised too much" : cause;
   }
   out.sums = std::move(*state.at_hand.sums);
+  if (out.sums.sums.empty())  // decided otherwise than before: memory may be less
+    throw Error(lit.scene->name, "this machine would not go on as its checkpoint does", "remove that, or go on there");
   return out;
 }
 

@@ -33,6 +33,7 @@ GridBakeParams pilot_params(const ContractState& state, double layers) {
   GridBakeParams bake = state.params.bake;
   bake.progress = nullptr;
   bake.pilot_progress = nullptr;
+  bake.checkpoint.reset();
   if (state.candidates.is_single() && layers_of(state.candidates.list[0].finest()) <= layers) {
     bake.lattice = state.candidates.list[0].lattice;
     return bake;

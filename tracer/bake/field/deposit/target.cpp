@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <utility>
 
 #include <tbb/parallel_for.h>
 
@@ -60,6 +61,43 @@ int fine_bits(const Lights::PhotonPower& power) {
   return power.weakest_lm < 0x1p-6F * power.strongest_lm ? max_fine_bits : 0;
 }
 
+namespace {
+
+// Calls copy(place in [vertex][slot], place in the target's own order) for every slot of every vertex.
+template <typename Copy>
+void for_each_slot(const DepositTarget& target, const Copy& copy) {
+  const auto lanes = std::size_t(target.layout.lanes());
+  const auto slots = std::size_t(target.layout.slots);
+  tbb::parallel_for(std::size_t(0), target.cell_masks.size(), [&](std::size_t v) {
+    for (std::size_t slot = 0; slot < slots; ++slot)
+      copy(std::ptrdiff_t((v * slots + slot) * lanes), std::ptrdiff_t(target.lane_index(slot, v)));
+  });
+}
+
+}  // namespace
+
+std::vector<std::int64_t> take_sums(DepositTarget& target) {
+  std::vector<std::int64_t> own = std::exchange(target.sums, {});
+  if (target.buffers == DepositBuffers::shared) return own;
+  const auto lanes = std::size_t(target.layout.lanes());
+  std::vector<std::int64_t> by_vertex(own.size());
+  for_each_slot(target, [&](std::ptrdiff_t at, std::ptrdiff_t own_at) {
+    std::copy_n(own.begin() + own_at, lanes, by_vertex.begin() + at);
+  });
+  return by_vertex;
+}
+
+void put_sums(DepositTarget& target, std::vector<std::int64_t> by_vertex) {
+  target.sums = std::move(by_vertex);
+  if (target.buffers == DepositBuffers::shared) return;
+  const auto lanes = std::size_t(target.layout.lanes());
+  std::vector<std::int64_t> own(target.sums.size());
+  for_each_slot(target, [&](std::ptrdiff_t at, std::ptrdiff_t own_at) {
+    std::copy_n(target.sums.begin() + at, lanes, own.begin() + own_at);
+  });
+  target.sums = std::move(own);
+}
+
 GridAccumulator to_accumulator(DepositTarget target) {
   GridAccumulator out;
   static_cast<Lattice&>(out) = std::move(target.lattice);
@@ -67,19 +105,7 @@ GridAccumulator to_accumulator(DepositTarget target) {
   out.estimator = target.estimator;
   out.quantum = target.quantum;
   out.quantum_squared = target.quantum_squared;
-  if (target.buffers == DepositBuffers::shared) {
-    out.sums = std::move(target.sums);
-    return out;
-  }
-  const auto lanes = std::size_t(target.layout.lanes());
-  const auto slots = std::size_t(target.layout.slots);
-  out.sums.resize(target.sums.size());
-  tbb::parallel_for(std::size_t(0), target.cell_masks.size(), [&](std::size_t v) {
-    for (std::size_t slot = 0; slot < slots; ++slot) {
-      std::copy_n(target.sums.begin() + std::ptrdiff_t(target.lane_index(slot, v)), lanes,
-                  out.sums.begin() + std::ptrdiff_t((v * slots + slot) * lanes));
-    }
-  });
+  out.sums = take_sums(target);
   return out;
 }
 

@@ -65,6 +65,10 @@ void check_estimator(const Lattice& lattice, Estimator estimator);
 inline constexpr int max_fine_bits = 12;
 int fine_bits(const Lights::PhotonPower& power);
 
+// Moves the sums out, [vertex][slot][lane] as a GridAccumulator has them; then the target has none. And back.
+std::vector<std::int64_t> take_sums(DepositTarget& target);
+void put_sums(DepositTarget& target, std::vector<std::int64_t> by_vertex);
+
 // What a bake keeps of it: lattice, basis, estimator, quanta and the sums by vertex. All else is left empty.
 GridAccumulator to_accumulator(DepositTarget target);
 
