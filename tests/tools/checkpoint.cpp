@@ -65,7 +65,9 @@ fs::file_time_type written(const fs::path& checkpoint) {
 std::int64_t done(const fs::path& folder) {
   const Outcome outcome = ivory(folder, "info x.checkpoint.vdb --json");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  return outcome.exit_code == 0 ? Json::parse(outcome.out)["photon_end"].get<std::int64_t>() : 0;
+  if (outcome.exit_code != 0) return 0;
+  const Json info = Json::parse(outcome.out);
+  return info["photon_end"].get<std::int64_t>() - info["photon_begin"].get<std::int64_t>();
 }
 
 // SIGKILL whenever a new checkpoint is there, and at random moments after that; each time some photons further. 4 ms
@@ -99,7 +101,7 @@ TEST(BakeCheckpoint, KilledAndGoneOnFrom) {
   const std::string base = "bake grid " + room + " --resolution 8 --seed 3 ";
   unsigned seed = 0;
   for (const std::string options :
-       {"--photons 1500k", "--photons 1m --levels 2 --groups extras", "--photons 1m --photon-range 100k:900k"}) {
+       {"--photons 600k", "--photons 400k --levels 2 --groups extras", "--photons 600k --photon-range 100k:500k"}) {
     SCOPED_TRACE(options);
     const fs::path folder = scratch_folder("checkpoint");
     ASSERT_EQ(ivory(folder, base + options + " -o whole.vdb -q --checkpoint 0").exit_code, 0);
@@ -122,7 +124,7 @@ TEST(BakeCheckpoint, OfABakeToAnError) {
 TEST(BakeCheckpoint, SignalsLeaveOne) {
   const fs::path folder = scratch_folder("checkpoint_signals");
   const fs::path checkpoint = folder / "x.checkpoint.vdb";
-  const std::string bake = "bake grid " + room + " --resolution 8 --photons 3m ";
+  const std::string bake = "bake grid " + room + " --resolution 8 --photons 1m ";
   ASSERT_EQ(ivory(folder, bake + "-o whole.vdb -q").exit_code, 0);
   for (const int signal : {SIGINT, SIGTERM}) {
     // At a moment when photons fly, which a checkpoint shows; it is written anew then.
@@ -151,7 +153,7 @@ TEST(BakeCheckpoint, OthersAndDamageAreRefused) {
   const fs::path folder = scratch_folder("checkpoint_foreign");
   const std::string bake = "bake grid " + room + " --resolution 8 -o x.vdb ";
   {
-    Bake run(folder, bake + "--photons 2m --checkpoint 0.00007 -q");
+    Bake run(folder, bake + "--photons 1m --checkpoint 0.00007 -q");
     wait_for(run, [&] { return fs::exists(folder / "x.checkpoint.vdb"); });
     run.signal(SIGKILL);
     run.end();
@@ -166,9 +168,9 @@ TEST(BakeCheckpoint, OthersAndDamageAreRefused) {
     EXPECT_FALSE(fs::exists(folder / "x.vdb"));
     EXPECT_EQ(read_file(folder / "x.checkpoint.vdb"), checkpoint);
   };
-  expect_refused(bake + "--photons 20k", "photons is 2000000, here 20000");
-  expect_refused(bake + "--photons 2m --seed 2", "seed is 1, here 2");
-  expect_refused("bake grid " + scene + " --resolution 8 -o x.vdb --photons 2m", "another command");
+  expect_refused(bake + "--photons 20k", "photons is 1000000, here 20000");
+  expect_refused(bake + "--photons 1m --seed 2", "seed is 1, here 2");
+  expect_refused("bake grid " + scene + " --resolution 8 -o x.vdb --photons 1m", "another command");
   expect_refused(bake + "--target-error 20%", "its scene or options differ");
 
   // Given up where files may be overwritten; left alone where no checkpoint is asked for.
@@ -182,17 +184,17 @@ TEST(BakeCheckpoint, OthersAndDamageAreRefused) {
 
   // It is a part, and a preview.
   fs::remove(folder / "x.vdb");
-  const std::string rest = std::to_string(done(folder)) + ":2m";
-  ASSERT_EQ(ivory(folder, "bake grid " + room + " --resolution 8 --photons 2m --photon-range " + rest + " -o rest.vdb")
+  const std::string rest = std::to_string(done(folder)) + ":1m";
+  ASSERT_EQ(ivory(folder, "bake grid " + room + " --resolution 8 --photons 1m --photon-range " + rest + " -o rest.vdb")
                 .exit_code,
             0);
   ASSERT_EQ(ivory(folder, "merge rest.vdb x.checkpoint.vdb -o merged.vdb").exit_code, 0);
-  ASSERT_EQ(ivory(folder, bake + "--photons 2m").exit_code, 0);
+  ASSERT_EQ(ivory(folder, bake + "--photons 1m").exit_code, 0);
   EXPECT_EQ(read_file(folder / "merged.vdb"), read_file(folder / "x.vdb"));
   fs::remove(folder / "x.vdb");
 
   write_file(folder / "x.checkpoint.vdb", checkpoint.substr(0, checkpoint.size() - 100));
-  const Outcome damaged = ivory(folder, bake + "--photons 2m");
+  const Outcome damaged = ivory(folder, bake + "--photons 1m");
   EXPECT_EQ(damaged.exit_code, 1);
   EXPECT_NE(damaged.err.find("x.checkpoint.vdb: is damaged or cut short"), std::string::npos) << damaged.err;
 }

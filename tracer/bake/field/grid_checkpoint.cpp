@@ -8,6 +8,7 @@
 
 #include "grid/base/error.h"
 #include "grid/io/file.h"
+#include "grid/io/vdb/layout.h"
 #include "grid/io/vdb/seal.h"
 #include "grid/io/vdb/vdb.h"
 
@@ -105,6 +106,7 @@ std::string GridCheckpoint::fault(const Metadata& found) const {
   if (find_text(found, key_name) == key_) return {};
   // By what people know it, where that tells.
   for (const auto& [key, value] : described_) {
+    if (key == "units") continue;  // the file's own stand there
     const auto other = found.find(key);
     if (other == found.end()) return "its " + key + " is not given, here it is " + text_of(value);
     if (other->second != value) return "its " + key + " is " + text_of(other->second) + ", here " + text_of(value);
@@ -121,6 +123,7 @@ Metadata GridCheckpoint::stored(Metadata of_bake) const {
 
 GridAccumulator GridCheckpoint::read(GridAccumulator& bake) const {
   GridAccumulator saved = read_accumulator_vdb(policy_.path);
+  saved.metadata.erase(light_groups_key);  // the file's, of its groups
   Metadata metadata = std::exchange(bake.metadata, stored(bake.metadata));
   const std::string what = difference(saved, bake);
   bake.metadata = std::move(metadata);
