@@ -15,6 +15,7 @@
 #include "tools/stability/scene_builder.h"
 #include "tracer/bake/field/baker.h"
 #include "tracer/bake/field/deposit/photon_sums.h"
+#include "tracer/bake/field/grid_checkpoint.h"
 #include "tracer/bake/field/vertex_visibility.h"
 
 namespace ivory {
@@ -198,6 +199,9 @@ TEST_F(Checkpoint, IsOfOneBake) {
   Scene other = room();
   other.content_hash = "feed";
   EXPECT_NE(message(params, make_lit_scene(other)).find("scene_hash"), std::string::npos);
+  // Hits that are the same everywhere are not those of this kind of CPU.
+  EXPECT_NE(message(params, make_lit_scene(room(), {.portable = true})).find(", here any"), std::string::npos);
+  EXPECT_NE(checkpoint_cpu(false), "any");
 
   // Given up where that is asked for.
   params.photons = 30'000;

@@ -138,7 +138,10 @@ GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params
   result.anchor_m = scene.anchor_m;
   result.metadata = describe(scene, params, lattice, photons);
   std::optional<GridCheckpoint> checkpoint;
-  if (params.checkpoint) checkpoint.emplace(params, lattice, result.metadata, result.photon_begin, range.second);
+  if (params.checkpoint) {
+    checkpoint.emplace(params, lattice, result.metadata, checkpoint_cpu(lit.intersector.portable()),
+                       result.photon_begin, range.second);
+  }
 
   std::vector<std::uint64_t> masks = params.guard == Guard::off
                                          ? std::vector<std::uint64_t>(vertices, ~std::uint64_t(0))

@@ -16,6 +16,7 @@ namespace ivory {
 namespace {
 
 const std::string key_name = checkpoint_prefix + "key";
+const std::string cpu_name = checkpoint_prefix + "cpu";
 const std::string end_name = checkpoint_prefix + "photon_end";
 
 std::string text_of(const MetaValue& value) {
@@ -57,6 +58,18 @@ std::string identity(const GridBakeParams& params, const Lattice& lattice, const
 
 }  // namespace
 
+std::string checkpoint_cpu(bool portable) {
+  if (portable) return "any";
+  __builtin_cpu_init();
+  const char* const vendor = __builtin_cpu_is("intel") ? "Intel" : __builtin_cpu_is("amd") ? "AMD" : "other";
+  const char* const widest = __builtin_cpu_supports("avx512f")  ? "AVX-512"
+                             : __builtin_cpu_supports("avx2")   ? "AVX2"
+                             : __builtin_cpu_supports("avx")    ? "AVX"
+                             : __builtin_cpu_supports("sse4.2") ? "SSE4.2"
+                                                                : "SSE2";
+  return std::string(vendor) + " " + widest;
+}
+
 std::string checkpoint_fault(const CheckpointPolicy& policy,
                              const std::function<std::string(const Metadata& found)>& fault) {
   std::string why;
@@ -84,9 +97,10 @@ std::string checkpoint_fault(const CheckpointPolicy& policy,
 }
 
 GridCheckpoint::GridCheckpoint(const GridBakeParams& params, const Lattice& lattice, const Metadata& described,
-                               std::uint64_t begin, std::uint64_t end)
+                               const std::string& cpu, std::uint64_t begin, std::uint64_t end)
     : policy_(*params.checkpoint), described_(described), begin_(begin), end_(end), clock_(policy_.every_s) {
   for (const auto& [key, value] : policy_.origin) described_[key] = value;
+  described_[cpu_name] = cpu;
   key_ = text_hash(identity(params, lattice, described_, begin, end));
   std::error_code unreadable;  // then reading it says why
   if (policy_.path.empty() || !std::filesystem::exists(policy_.path, unreadable)) return;
@@ -116,6 +130,7 @@ std::string GridCheckpoint::fault(const Metadata& found) const {
 
 Metadata GridCheckpoint::stored(Metadata of_bake) const {
   for (const auto& [key, value] : policy_.origin) of_bake[key] = value;
+  of_bake[cpu_name] = described_.at(cpu_name);
   of_bake[key_name] = key_;
   of_bake[end_name] = std::int64_t(end_);
   return of_bake;

@@ -16,6 +16,9 @@ inline const std::string checkpoint_prefix = "checkpoint_";
 // or after, is of no use and in nobody's way.
 inline const std::string checkpoint_series = checkpoint_prefix + "series";
 
+// The kind of CPU, as far as hits of rays and with them a bake's bytes differ by it: not where they are `portable`.
+std::string checkpoint_cpu(bool portable);
+
 // Why the file at policy.path is not gone on from: damage, or what `fault` says of its facts, which are empty where it
 // is no checkpoint. Empty where it is. Throws Error with that unless policy.replace; then an event says it.
 std::string checkpoint_fault(const CheckpointPolicy& policy,
@@ -25,9 +28,9 @@ class GridCheckpoint {
  public:
   // Of the bake that `described`, `lattice` and params say: whose photons go from `begin`, those that a caller had at
   // hand included, to `end`. Looks whether there is a file to go on from: throws Error where it is of another bake or
-  // damaged, unless policy.replace. `params` must outlive this object.
-  GridCheckpoint(const GridBakeParams& params, const Lattice& lattice, const Metadata& described, std::uint64_t begin,
-                 std::uint64_t end);
+  // damaged, unless policy.replace. `cpu` is checkpoint_cpu(). `params` must outlive this object.
+  GridCheckpoint(const GridBakeParams& params, const Lattice& lattice, const Metadata& described,
+                 const std::string& cpu, std::uint64_t begin, std::uint64_t end);
 
   // Is there a file to go on from?
   bool is_there() const { return is_there_; }

@@ -23,7 +23,8 @@ std::string text_of(const Box3f& box) { return text_of(box.min) + ":" + text_of(
 // it.
 std::string identity(const LitScene& lit, const ContractParams& params) {
   const GridBakeParams& bake = params.bake;
-  std::string text = fmt::format("scene={} {}\n", lit.scene->name, lit.scene->content_hash);
+  std::string text = fmt::format("scene={} {}\ncpu={}\n", lit.scene->name, lit.scene->content_hash,
+                                 checkpoint_cpu(lit.intersector.portable()));
   for (const auto& [key, value] : bake.checkpoint->origin)
     text += key + "=" + std::visit([](const auto& v) { return fmt::format("{}", v); }, value) + "\n";
   text += fmt::format("target={:a} domain={} guard={} most_work={:a}\n", params.target, name_of(params.domain),
