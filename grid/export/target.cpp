@@ -9,6 +9,7 @@ namespace {
 using enum ExportTarget;
 constexpr ExportAsset distant = ExportAsset::distant;
 constexpr ExportAsset grid = ExportAsset::grid;
+constexpr ExportAsset scene = ExportAsset::scene;
 
 constexpr auto formats = std::to_array<ExportFormat>({
     {three_js, distant, ".json", "", "LightProbe, for ObjectLoader"},
@@ -28,6 +29,7 @@ constexpr auto formats = std::to_array<ExportFormat>({
     {ExportTarget::sh9, grid, ".ktx2", ".json", "plain 3D texture: nine coefficients"},
     {nanovdb, grid, ".nvdb", "", "NanoVDB: E at six normals"},
     {usd, grid, ".usda", "", "a Volume of OpenVDBAsset fields, which names the .vdb file"},
+    {web, scene, "", "", "a folder: a page that shows the scene lit by --grid, in three.js"},
 });
 
 }  // namespace
@@ -39,6 +41,8 @@ const ExportFormat& export_format(ExportTarget target, ExportAsset asset, std::s
   for (const ExportFormat& format : formats) {
     if (format.target != target || format.asset != asset) continue;
     if (format.extension == extension) return format;
+    if (format.extension.empty())
+      throw ParameterError("output", std::string(name_of(target)) + " writes a folder: give a name without extension");
     known += (known.empty() ? "" : ", ") + std::string(format.extension);
   }
   if (!known.empty())

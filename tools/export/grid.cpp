@@ -10,12 +10,17 @@
 
 #include "grid/base/error.h"
 #include "grid/export/probe_tetrahedra.h"
+#include "grid/export/survey/survey.h"
+#include "grid/export/survey/thin_walls.h"
 #include "grid/io/export/godot.h"
 #include "grid/io/export/nanovdb.h"
 #include "grid/io/export/probe_volumes.h"
 #include "grid/io/export/usd.h"
+#include "grid/io/file.h"
 #include "tools/cli/common.h"
 #include "tools/export/export.h"
+#include "tools/export/report.h"
+#include "tools/export/scene_survey.h"
 #include "tools/input/vdb/load.h"
 
 namespace ivory {
@@ -24,6 +29,7 @@ namespace {
 
 constexpr int loss_points = 200;
 constexpr std::uint64_t loss_seed = 1;
+constexpr int report_points = 10000;
 
 // How each target reads: what its probes are, and from where.
 struct ReaderKind {
@@ -60,6 +66,33 @@ const char* name_of_format(Ktx2Format format) {
   return "";
 }
 
+ReaderReport make_report(const ExportOptions& options, const ExportFormat& format, IrradianceGrid& grid,
+                         const ProbeVolume& volume, const ProbeReader& reader, const CommonOptions& common) {
+  const V3f& h = volume.frame.spacing_m;
+  const float apart_m = 2 * std::max({h.x, h.y, h.z});
+  ReaderReport report{std::string(name_of(format.target)),
+                      std::filesystem::path(options.asset).filename().string(),
+                      grid.anchor_m,
+                      !options.scene.empty(),
+                      {},
+                      measure_thin_walls(grid, volume, reader)};
+  if (!report.by_rays) {
+    report.survey = survey_planes(grid, reader, report_points, apart_m, loss_seed);
+    return report;
+  }
+  // Probes stay about the anchor that they were made with.
+  const V3d anchor_m = grid.anchor_m;
+  const SceneInput input = load_scene_of_grid(options.scene, grid, common);
+  const V3f moved(grid.anchor_m - anchor_m);
+  const ProbeReader moved_reader = [&](const V3f& p, const V3f& n) { return reader(p + moved, n); };
+  report.survey =
+      survey_scene(*input.lit.scene, input.lit.intersector, grid, moved_reader, report_points, apart_m, loss_seed)
+          .survey;
+  for (ThinWall& wall : report.walls) wall.center -= moved;
+  report.anchor_m = grid.anchor_m;
+  return report;
+}
+
 // The file that is there, named by a stage: nothing is read or filled.
 void export_usd(const ExportOptions& options, const CommonOptions& common) {
   if (options.voxel_size_m) throw UsageError("--to usd names the grid's own file: --voxel-size does not go with it");
@@ -91,7 +124,7 @@ void export_grid(const ExportOptions& options, const ExportFormat& format, const
   }
   std::istringstream extensions{std::string(format.beside)};
   for (std::string extension; extensions >> extension;) check_output(beside(options.output, extension), common);
-  const IrradianceGrid grid = load_grid_vdb(options.asset);
+  IrradianceGrid grid = load_grid_vdb(options.asset);
   const ReaderKind kind = reader_of(format.target);
   const ProbeVolume volume = make_probe_volume(grid, {kind.can_rotate, kind.with_sh, options.voxel_size_m});
   std::optional<VolumeTetrahedra> tetrahedra;
@@ -125,6 +158,12 @@ void export_grid(const ExportOptions& options, const ExportFormat& format, const
       break;
     default:
       written = write_sides_volume(options.output, volume, about, texels, common.force);
+  }
+
+  std::optional<ReaderReport> report;
+  if (!options.report.empty()) {
+    report = make_report(options, format, grid, volume, reader, common);
+    write_file(options.report, report_html(*report), common.force);
   }
 
   Json result = probe_json(volume, about, options.output);
@@ -170,6 +209,11 @@ void export_grid(const ExportOptions& options, const ExportFormat& format, const
         "{} pairs of lit neighbours do not see each other: walls thinner than a cell, through which this reader "
         "leaks\n",
         about.thin_walls);
+  }
+  if (report) {
+    result["report"] = to_json(*report);
+    result["report"]["file"] = options.report;
+    text += report_text(*report);
   }
   if (written.scale != 1)
     text += fmt::format("stored is E / {:g}, and {:g} is the intensity\n", written.scale, written.scale);
