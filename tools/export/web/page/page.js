@@ -63,10 +63,14 @@ function addLamps( scene, root, gltf, about ) {
 			light.visible = false;
 			Object.assign( lamp.shadow.camera, { left: - sphere.radius, right: sphere.radius, top: sphere.radius,
 				bottom: - sphere.radius, near: 0.5 * sphere.radius, far: 3.5 * sphere.radius } );
+			lamp.shadow.bias = - 1e-3;
 
 		} else {
 
-			Object.assign( lamp.shadow.camera, { near: 1e-3 * sphere.radius, far: 2.5 * sphere.radius } );
+			// Depths go with near / distance: this bias is a four-hundredth of the radius at that distance.
+			const near = Math.min( 0.02 * sphere.radius, 0.1 );
+			Object.assign( lamp.shadow.camera, { near, far: 2.5 * sphere.radius } );
+			lamp.shadow.bias = - 2.5e-3 * near / sphere.radius;
 
 		}
 
@@ -76,7 +80,6 @@ function addLamps( scene, root, gltf, about ) {
 
 			lamp.castShadow = true;
 			lamp.shadow.mapSize.set( 1024, 1024 );
-			lamp.shadow.bias = - 1e-3;
 			lamp.shadow.normalBias = 2e-3 * sphere.radius;
 
 		}
