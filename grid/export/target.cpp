@@ -23,12 +23,14 @@ constexpr auto formats = std::to_array<ExportFormat>({
     {gltf, distant, ".glb", "", "the same for a binary scene"},
     {bevy, distant, ".ktx2", "", "cube map for EnvironmentMapLight"},
     {three_js, grid, ".ktx2", ".js .json", "LightProbeGrid's atlas, and a module that loads it"},
+    {unity, grid, ".asset", "", "LightProbes: light probes"},
     {godot, grid, ".tres", "", "LightmapGIData: light probes for moving objects"},
     {bevy, grid, ".ktx2", ".json", "IrradianceVolume"},
     {ExportTarget::sides, grid, ".ktx2", ".json", "plain 3D texture: E at six normals"},
     {ExportTarget::sh9, grid, ".ktx2", ".json", "plain 3D texture: nine coefficients"},
     {nanovdb, grid, ".nvdb", "", "NanoVDB: E at six normals"},
     {usd, grid, ".usda", "", "a Volume of OpenVDBAsset fields, which names the .vdb file"},
+    {vrc, grid, ".asset", ".1.asset .2.asset .json", "VRC Light Volumes' LightVolume: its three textures"},
     {web, scene, "", "", "a folder: a page that shows the scene lit by --grid, in three.js"},
 });
 

@@ -23,6 +23,7 @@ enum class ExportTarget {
   sh9,
   nanovdb,
   usd,
+  vrc,
   web
 };
 template <>
@@ -39,12 +40,12 @@ inline constexpr auto name_table<ExportTarget> =
                                              {ExportTarget::sh9, "sh9"},
                                              {ExportTarget::nanovdb, "nanovdb"},
                                              {ExportTarget::usd, "usd"},
+                                             {ExportTarget::vrc, "vrc"},
                                              {ExportTarget::web, "web"}});
 
 enum class ExportAsset { distant, grid, scene };
 template <>
-inline constexpr auto name_table<ExportAsset> =
-    make_name_table<ExportAsset>(
+inline constexpr auto name_table<ExportAsset> = make_name_table<ExportAsset>(
     "asset", {{ExportAsset::distant, "SH9 or DifMap"}, {ExportAsset::grid, "grid"}, {ExportAsset::scene, "scene"}});
 
 // One file kind that a target takes of one kind of asset.

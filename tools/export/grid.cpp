@@ -15,6 +15,7 @@
 #include "grid/io/export/godot.h"
 #include "grid/io/export/nanovdb.h"
 #include "grid/io/export/probe_volumes.h"
+#include "grid/io/export/unity.h"
 #include "grid/io/export/usd.h"
 #include "grid/io/file.h"
 #include "tools/cli/common.h"
@@ -46,8 +47,10 @@ ReaderKind reader_of(ExportTarget target) {
     case ExportTarget::nanovdb:
       return {.can_rotate = true};
     case ExportTarget::godot:
+    case ExportTarget::unity:
       return {.with_sh = true, .can_rotate = true};
     case ExportTarget::sh9:
+    case ExportTarget::vrc:
       return {.with_sh = true};
     default:
       return {};
@@ -128,16 +131,19 @@ void export_grid(const ExportOptions& options, const ExportFormat& format, const
   const ReaderKind kind = reader_of(format.target);
   const ProbeVolume volume = make_probe_volume(grid, {kind.can_rotate, kind.with_sh, options.voxel_size_m});
   std::optional<VolumeTetrahedra> tetrahedra;
-  if (format.target == ExportTarget::godot) tetrahedra = volume_tetrahedra(volume);
+  if (format.target == ExportTarget::godot || format.target == ExportTarget::unity)
+    tetrahedra = volume_tetrahedra(volume);
   const ProbeReader reader =
       tetrahedra ? ProbeReader([&tetrahedra](const V3f& p, const V3f& n) { return irradiance(tap(*tetrahedra, p), n); })
-      : kind.with_sh ? sh9_reader(volume, kind.offset)
-                     : sides_reader(volume);
+      : format.target == ExportTarget::vrc ? vrc_reader(volume)
+      : kind.with_sh                       ? sh9_reader(volume, kind.offset)
+                                           : sides_reader(volume);
   ProbeExport about{std::string(name_of(format.target)), grid.light,
                     measure_reader(grid, volume, reader, kind.offset, loss_points, loss_seed), thin_walls(grid, volume),
                     grid.metadata};
   const Ktx2Format texels = options.texels == ExportTexels::rgb9e5 ? Ktx2Format::e5b9g9r9 : Ktx2Format::rgba16f;
   TextureResult written;
+  std::optional<std::size_t> unity_probes;
   switch (format.target) {
     case ExportTarget::three_js:
       written = write_three_js_volume(options.output, volume, about, common.force);
@@ -148,6 +154,13 @@ void export_grid(const ExportOptions& options, const ExportFormat& format, const
     case ExportTarget::godot:
       write_godot_probes(options.output, tetrahedra->probes, tetrahedra->sh, grid.metadata, common.force);
       written.format = Ktx2Format::rgba32f;
+      break;
+    case ExportTarget::unity:
+      unity_probes = write_unity_probes(options.output, volume, common.force);
+      written.format = Ktx2Format::rgba32f;
+      break;
+    case ExportTarget::vrc:
+      written.scale = write_vrc_volume(options.output, volume, about, common.force);
       break;
     case ExportTarget::nanovdb:
       write_nanovdb(options.output, volume, common.force);
@@ -177,7 +190,8 @@ void export_grid(const ExportOptions& options, const ExportFormat& format, const
   result["texels"] = name_of_format(written.format);
   result["scale"] = written.scale;
   const V3i& n = volume.frame.size;
-  if (tetrahedra) result["node_position_m"] = {grid.anchor_m.x, grid.anchor_m.y, grid.anchor_m.z};
+  const bool for_godot = format.target == ExportTarget::godot;
+  if (for_godot) result["node_position_m"] = {grid.anchor_m.x, grid.anchor_m.y, grid.anchor_m.z};
   std::string text = fmt::format("{}: {} x {} x {} probes, {}, {}\n", options.output, n.x, n.y, n.z,
                                  name_of_format(written.format), format_bytes(result["bytes"]));
   std::string beside_names;
@@ -185,7 +199,11 @@ void export_grid(const ExportOptions& options, const ExportFormat& format, const
   for (std::string extension; extensions >> extension;)
     beside_names += (beside_names.empty() ? "" : ", ") + beside(options.output, extension);
   if (!beside_names.empty()) text += "beside it: " + beside_names + "\n";
-  if (tetrahedra) {
+  if (unity_probes) {
+    result["written_probes"] = *unity_probes;
+    text += fmt::format("{} probes that are not dark; LightProbes.Tetrahedralize() joins them\n", *unity_probes);
+  }
+  if (for_godot) {
     text += fmt::format(
         "{} points, {} tetrahedra; for objects with gi_mode dynamic, each lit as its box's centre is; the "
         "node stands at {:g}, {:g}, {:g}\n",

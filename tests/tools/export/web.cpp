@@ -55,7 +55,8 @@ class ExportWeb : public CommandTest {
 TEST_F(ExportWeb, HoldsAllThatItNeeds) {
   bake(scene("room_boxes.gltf"), "--resolution 4 --photons 20k");
   const std::string three = make_package("0.187.0", true);
-  const Json result = export_page(scene("room_boxes.gltf"), three);
+  run("bake sh9 " + scene("sky.hdr") + " -o " + path("sky.json"));
+  const Json result = export_page(scene("room_boxes.gltf"), three, "--sh9 " + path("sky.json"));
   EXPECT_EQ(files("page"),
             (std::vector<std::string>{
                 "errors.bin", "index.html", "light.js", "light.json", "light.ktx2", "page.css", "page.js", "page.json",
@@ -69,6 +70,7 @@ TEST_F(ExportWeb, HoldsAllThatItNeeds) {
   EXPECT_EQ(page["views"][0]["name"], "corner");
   EXPECT_NEAR(page["views"][0]["position"][0].get<double>(), -2.3, 1e-5);
   EXPECT_EQ(page["stored"], Json::parse(R"({"punctual": false, "area": false, "sky": false})"));
+  EXPECT_EQ(page["sky"].size(), 27U);
   EXPECT_EQ(page["lamps"], Json::parse(R"([{"node": 1, "group": ""}])"));
   EXPECT_EQ(bytes_of(path("page/errors.bin")).size(), 10U * page["errors"]["count"].get<std::size_t>());
   // Nothing of the page asks for another server.
@@ -77,7 +79,7 @@ TEST_F(ExportWeb, HoldsAllThatItNeeds) {
   // The same bytes again, into the folder that is there; what is not the page's stays.
   const std::string before = bytes_of(path("page/errors.bin")) + bytes_of(path("page/page.json"));
   std::ofstream(path("page/mine.txt")) << "mine";
-  export_page(scene("room_boxes.gltf"), three, "--force --threads 1");
+  export_page(scene("room_boxes.gltf"), three, "--force --threads 1 --sh9 " + path("sky.json"));
   EXPECT_EQ(bytes_of(path("page/errors.bin")) + bytes_of(path("page/page.json")), before);
   EXPECT_EQ(bytes_of(path("page/mine.txt")), "mine");
 }
@@ -139,13 +141,14 @@ Difference difference(const Json& values, const Film& film) {
 // What is drawn is what ivory render draws by the same grid: light through the atlas, lamps with shadows, the camera.
 TEST_F(ExportWeb, ChromiumShowsWhatIvoryRenders) {
   SKIP_WITHOUT_A_BROWSER();
-  bake(scene("room_boxes.gltf"), "--resolution 12 --photons 200k");
+  bake(scene("room_boxes.gltf"), "--resolution 12 --photons 200k --groups hall=lamp");
   export_page(scene("room_boxes.gltf"), std::string(std::getenv("IVORY_NODE_MODULES")) + "/three");
   const Json read = run_reader(
       "page.mjs", path("page") +
                       " 'page.mode = \"split\"; page.drawNow(); document.getElementById(\"errors\").click();"
-                      "return [page.radiance(0, 96, 64, {lamps: false}), page.radiance(0, 96, 64, {on: false}),"
-                      " page.radiance(0, 96, 64)];' " +
+                      "const all = [page.radiance(0, 96, 64, {lamps: false}), page.radiance(0, 96, 64, {on: false}),"
+                      " page.radiance(0, 96, 64)]; await page.setLights(\"hall\", 0.5);"
+                      "return [...all, page.radiance(0, 96, 64)];' " +
                       path("page.png"));
   ASSERT_FALSE(read.is_discarded());
   EXPECT_EQ(read["complaints"], Json::array()) << read["complaints"];
@@ -167,6 +170,9 @@ TEST_F(ExportWeb, ChromiumShowsWhatIvoryRenders) {
     EXPECT_LT(d.median, 0.01);
     EXPECT_LT(std::abs(d.mean), 0.01);
   }
+  // The one lamp's group, dimmed by half: its own light and the baked.
+  for (std::size_t i = 0; i < std::size_t(4 * width * height); i += 4)
+    ASSERT_NEAR(read["answer"][3][i].get<double>(), 0.5 * read["answer"][2][i].get<double>(), 2e-3);  // half floats
 }
 
 }  // namespace

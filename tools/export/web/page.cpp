@@ -162,7 +162,7 @@ void export_web(const ExportOptions& options, const CommonOptions& common) {
             {"errors",
              {{"file", "errors.bin"},
               {"count", count},
-              {"radius_m", 1.4 * std::sqrt(surveyed.area_m2 / (double(pi) * double(std::max<std::size_t>(count, 1))))},
+              {"radius_m", 1.7 * std::sqrt(surveyed.area_m2 / (double(pi) * double(std::max<std::size_t>(count, 1))))},
               {"low", {errors.low.x, errors.low.y, errors.low.z}},
               {"extent", {errors.extent.x, errors.extent.y, errors.extent.z}},
               {"full", errors.full}}},

@@ -229,8 +229,8 @@ class Page {
 
 		this.camera = new THREE.PerspectiveCamera();
 		this.controls = new OrbitControls( this.camera, renderer.domElement );
-		this.controls.addEventListener( 'change', () => this.draw() );
 		this.look( 0 );
+		this.controls.addEventListener( 'change', () => this.draw() );
 		renderer.toneMapping = THREE.NeutralToneMapping;
 		renderer.shadowMap.enabled = true;
 		renderer.shadowMap.autoUpdate = false;

@@ -1,0 +1,106 @@
+// Lightmaps of the command line: against path-traced E, and as textures.
+#include <cmath>
+#include <random>
+
+#include "tests/support/command_test.h"
+#include "tests/support/gltf_builder.h"
+#include "tests/support/planar_unwrap.h"
+#include "tests/tools/export/ktx2_reader.h"
+#include "tests/tools/export/node_reader.h"
+#include "tracer/bake/lightmap/charts.h"
+#include "tracer/core/lit_scene.h"
+#include "tracer/gltf/loader.h"
+#include "tracer/image/file.h"
+#include "tracer/render/probe.h"
+
+namespace ivory {
+namespace {
+
+using Json = nlohmann::json;
+
+class Lightmaps : public CommandTest {
+ protected:
+  // room_boxes.gltf with charts, as a file.
+  std::string unwrapped_room(int size, double texels_per_m) const {
+    Scene scene = load_gltf(CommandTest::scene("room_boxes.gltf")).scene;
+    std::vector<Mesh*> meshes;
+    for (Mesh& mesh : scene.meshes) meshes.push_back(&mesh);
+    EXPECT_TRUE(unwrap_planes(meshes, size, texels_per_m, 4));
+    GltfBuilder builder;
+    const Json source = Json::parse(bytes_of(CommandTest::scene("room_boxes.gltf")));
+    for (const char* key : {"materials", "cameras", "extensions", "extensionsUsed"}) builder.root[key] = source[key];
+    const Mesh& mesh = *meshes.front();
+    std::vector<std::uint16_t> indices;
+    for (const auto& t : mesh.triangles)
+      for (unsigned i = 0; i < 3; ++i) indices.push_back(std::uint16_t(t[i]));
+    builder.add_mesh({{"attributes",
+                       {{"POSITION", builder.add(mesh.positions)},
+                        {"NORMAL", builder.add(mesh.normals)},
+                        {"TEXCOORD_1", builder.add(mesh.uvs[1])}}},
+                      {"indices", builder.add_indices(indices)},
+                      {"material", 0}});
+    for (const Json& node : source["nodes"]) builder.add_node(node);
+    return builder.write("unwrapped");
+  }
+};
+
+// The texture's E against path-traced E at the same places of the same texels.
+TEST_F(Lightmaps, AreWhatPathsSay) {
+  constexpr int size = 160;
+  const std::string file = unwrapped_room(size, 9);
+  run("bake grid " + file + " -o " + path("g.vdb") + " --resolution 16 --photons 1m");
+  const Json result = run("bake lightmap " + file + " --grid " + path("g.vdb") + " --size 160x160 -o " +
+                          path("map.exr") + " -o " + path("map.ktx2") + " --samples 16 --gather 32");
+  const Film film = read_image(path("map.exr"));
+  ASSERT_EQ(film.width, size);
+
+  const LitScene lit = make_lit_scene(load_gltf(file, {.uv_sets = {1}}).scene);
+  const Charts charts = make_charts(*lit.scene, 1, size, size);
+  std::vector<std::size_t> lit_texels;
+  for (std::size_t i = 0; i < charts.texels.size(); ++i)
+    if (charts.texels[i].instance != no_index && film.pixels[i].x > 0) lit_texels.push_back(i);
+  std::mt19937 random(5);
+  std::shuffle(lit_texels.begin(), lit_texels.end(), random);
+  constexpr std::size_t count = 1000;
+  ASSERT_GT(lit_texels.size(), count);
+  lit_texels.resize(count);
+  // Places spread over the texel, as the bake's.
+  constexpr int places = 16;
+  std::vector<ProbePoint> points;
+  for (const std::size_t texel : lit_texels) {
+    for (int i = 0; i < places; ++i) {
+      const V2f offset((float(i % 4) + 0.5F) / 4 - 0.5F, (float(i / 4) + 0.5F) / 4 - 0.5F);
+      const ChartPoint at = chart_point(*lit.scene, charts, texel, offset);
+      points.push_back({at.p, at.ns});
+    }
+  }
+  ProbeParams probe;
+  probe.samples = 64;
+  const std::vector<ProbeResult> truth = probe_scene(lit, points, probe);
+  double squares = 0;
+  double noise = 0;
+  double mean = 0;
+  double bias = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    double e = 0;
+    double variance = 0;
+    for (int k = 0; k < places; ++k) {
+      const ProbeResult& at = truth[i * places + std::size_t(k)];
+      e += double(at.e.x) / places;
+      variance += double(at.standard_error.x) * at.standard_error.x / (places * places);
+    }
+    const double off = double(film.pixels[lit_texels[i]].x) - e;
+    squares += off * off / count;
+    noise += variance / count;
+    mean += e / count;
+    bias += off / count;
+  }
+  const double rms = std::sqrt(std::max(squares - noise, 0.0)) / mean;
+  std::printf("RMS %.2f %% of mean E (%.3f lux), truth's own noise of %.2f %% taken off; mean %+.2f %%\n", 100 * rms,
+              mean, 100 * std::sqrt(noise) / mean, 100 * bias / mean);
+  std::printf("%s\n", result["texels"].dump().c_str());
+  EXPECT_LT(rms, 0.01);
+}
+
+}  // namespace
+}  // namespace ivory
