@@ -11,6 +11,7 @@
 namespace ivory {
 namespace {
 
+using Imath::V4d;
 using Json = nlohmann::json;
 constexpr double pi_d = 3.14159265358979323846;
 
