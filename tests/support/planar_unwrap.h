@@ -14,9 +14,9 @@
 
 namespace ivory {
 
-// Gives each mesh of the scene, placed where it stands, TEXCOORD_1 in one atlas of size x size texels: charts begin and
-// end on whole texels, `margin` apart. False where they do not fit at that density.
-inline bool unwrap_planes(std::vector<Mesh*> meshes, int size, double texels_per_m, int margin) {
+// Gives each mesh, placed where it stands, TEXCOORD_1 in one atlas of size x size texels: charts begin and end on whole
+// texels, `margin` apart. Answers the texels a metre, the most that fit.
+inline double unwrap_planes(const std::vector<Mesh*>& meshes, int size, int margin) {
   struct Chart {
     Mesh* mesh = nullptr;
     std::vector<std::size_t> triangles;
@@ -83,39 +83,44 @@ inline bool unwrap_planes(std::vector<Mesh*> meshes, int size, double texels_per
     split.uvs[1].resize(split.positions.size());
     *mesh = std::move(split);
   }
+  double texels_per_m = size;
   const auto extent = [&](const Chart& chart, unsigned side) {
     const unsigned axis = (chart.across + 1 + side) % 3;
     return std::max(1.0, std::ceil(double(chart.high[axis] - chart.low[axis]) * texels_per_m));
   };
-  std::stable_sort(charts.begin(), charts.end(),
-                   [&](const Chart& a, const Chart& b) { return extent(a, 1) > extent(b, 1); });
-  double x = margin;
-  double y = margin;
-  double shelf = 0;
-  for (const Chart& chart : charts) {
-    const double width = extent(chart, 0);
-    const double height = extent(chart, 1);
-    if (x + width + margin > size) {
-      x = margin;
-      y += shelf + margin;
-      shelf = 0;
-    }
-    shelf = std::max(shelf, height);
-    if (x + width + margin > size || y + height + margin > size) return false;
-    for (const std::size_t t : chart.triangles) {
-      for (unsigned i = 0; i < 3; ++i) {
-        const std::uint32_t vertex = chart.mesh->triangles[t][i];
-        const auto share = [&](unsigned side) {
-          const unsigned axis = (chart.across + 1 + side) % 3;
-          const double length = double(chart.high[axis] - chart.low[axis]);
-          return length > 0 ? double(chart.mesh->positions[vertex][axis] - chart.low[axis]) / length : 0.0;
-        };
-        chart.mesh->uvs[1][vertex] = V2f(float((x + share(0) * width) / size), float((y + share(1) * height) / size));
+  const auto place_all = [&] {
+    std::stable_sort(charts.begin(), charts.end(),
+                     [&](const Chart& a, const Chart& b) { return extent(a, 1) > extent(b, 1); });
+    double x = margin;
+    double y = margin;
+    double shelf = 0;
+    for (const Chart& chart : charts) {
+      const double width = extent(chart, 0);
+      const double height = extent(chart, 1);
+      if (x + width + margin > size) {
+        x = margin;
+        y += shelf + margin;
+        shelf = 0;
       }
+      shelf = std::max(shelf, height);
+      if (x + width + margin > size || y + height + margin > size) return false;
+      for (const std::size_t t : chart.triangles) {
+        for (unsigned i = 0; i < 3; ++i) {
+          const std::uint32_t vertex = chart.mesh->triangles[t][i];
+          const auto share = [&](unsigned side) {
+            const unsigned axis = (chart.across + 1 + side) % 3;
+            const double length = double(chart.high[axis] - chart.low[axis]);
+            return length > 0 ? double(chart.mesh->positions[vertex][axis] - chart.low[axis]) / length : 0.0;
+          };
+          chart.mesh->uvs[1][vertex] = V2f(float((x + share(0) * width) / size), float((y + share(1) * height) / size));
+        }
+      }
+      x += width + margin;
     }
-    x += width + margin;
-  }
-  return true;
+    return true;
+  };
+  while (!place_all()) texels_per_m *= 0.97;
+  return texels_per_m;
 }
 
 }  // namespace ivory

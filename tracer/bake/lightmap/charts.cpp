@@ -52,6 +52,16 @@ V2d nearest_point(const UvTriangle& t, const V2d& p) {
   return best;
 }
 
+// The same, but not on its edge: where two walls meet, what starts in both may see past either.
+V2d nearest_inside(const UvTriangle& t, const V2d& p) {
+  constexpr double inset = 0.05;  // texels
+  const V2d q = nearest_point(t, p);
+  if (q == p) return q;
+  const V2d inwards = (t[0] + t[1] + t[2]) / 3.0 - q;
+  const double length = inwards.length();
+  return length > inset ? q + inwards * (inset / length) : q + inwards;
+}
+
 const Mesh& mesh_of(const Scene& scene, int instance) {
   return scene.meshes[std::size_t(scene.instances[std::size_t(instance)].mesh)];
 }
@@ -154,7 +164,7 @@ class Rasteriser {
     ChartTexel& texel = charts_.texels[index];
     const V2d q = nearest_point(t, center);
     const V2d away = q - center;
-    if (std::max(std::abs(away.x), std::abs(away.y)) > 0.5) return;
+    if (std::max(std::abs(away.x), std::abs(away.y)) >= 0.5) return;
     // Shared edges run through centres: only what is inside of both is there twice.
     constexpr double edge = 1e-3;  // of the triangle
     const bool inside = away == V2d(0, 0) && least_weight_of(barycentric(t, center)) > edge;
@@ -169,7 +179,7 @@ class Rasteriser {
     if (!inside && (inside_[index] != 0 || distance >= distance_[index])) return;
     distance_[index] = distance;
     inside_[index] = inside ? 1 : 0;
-    texel = {instance, triangle, V2f(barycentric(t, q))};
+    texel = {instance, triangle, V2f(barycentric(t, nearest_inside(t, center)))};
   }
 
   const Scene& scene_;
@@ -215,7 +225,7 @@ ChartPoint chart_point(const Scene& scene, const Charts& charts, std::size_t ind
   if (offset != V2f(0, 0)) {
     const UvTriangle t = uv_triangle(mesh, texel.triangle, charts.uv_set, charts.width, charts.height);
     const V2d at = t[0] + (t[1] - t[0]) * double(b.x) + (t[2] - t[0]) * double(b.y) + V2d(offset);
-    b = V2f(barycentric(t, nearest_point(t, at)));
+    b = V2f(barycentric(t, nearest_inside(t, at)));
   }
   const float a = 1 - b.x - b.y;
   std::array<V3f, 3> p;

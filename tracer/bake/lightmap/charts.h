@@ -8,7 +8,7 @@
 namespace ivory {
 
 // The point of the scene that a texel stands for: that of its centre, or, where the centre lies in no triangle but the
-// texel's square touches one, the nearest one of that triangle.
+// texel's square touches one, the nearest one of that triangle but a twentieth of a texel.
 struct ChartTexel {
   int instance = no_index;  // none: no chart comes here
   int triangle = 0;         // of the instance's mesh
