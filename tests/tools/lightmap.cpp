@@ -46,11 +46,11 @@ class Lightmaps : public CommandTest {
 
 // The texture's E against path-traced E at the same places of the same texels.
 TEST_F(Lightmaps, AreWhatPathsSay) {
-  constexpr int size = 160;
+  constexpr int size = 96;
   const std::string file = unwrapped_room(size);
-  run("bake grid " + file + " -o " + path("g.vdb") + std::getenv("LG"));
-  const Json result = run("bake lightmap " + file + " --grid " + path("g.vdb") + " --size 160x160 -o " +
-                          path("map.exr") + " -o " + path("map.ktx2") + std::getenv("LB"));
+  run("bake grid " + file + " -o " + path("g.vdb") + " --resolution 24 --photons 1m");
+  const Json result = run("bake lightmap " + file + " --grid " + path("g.vdb") + " --size 96x96 -o " + path("map.exr") +
+                          " -o " + path("map.ktx2") + " --samples 16 --gather 32 --interpolation fitted");
   const Film film = read_image(path("map.exr"));
   ASSERT_EQ(film.width, size);
 
@@ -75,7 +75,7 @@ TEST_F(Lightmaps, AreWhatPathsSay) {
     }
   }
   ProbeParams probe;
-  probe.samples = std::atoi(std::getenv("LP"));
+  probe.samples = 64;
   const std::vector<ProbeResult> truth = probe_scene(lit, points, probe);
   double squares = 0;
   double noise = 0;
@@ -95,7 +95,6 @@ TEST_F(Lightmaps, AreWhatPathsSay) {
     if (in_solid) continue;
     const double off = double(film.pixels[lit_texels[i]].x) - e;
     squares += off * off;
-    if (std::getenv("LW") != nullptr) { const ChartPoint at = chart_point(*lit.scene, charts, lit_texels[i], V2f(0, 0)); std::printf("W %.4f off %.3f film %.3f truth %.3f p %.3f %.3f %.3f n %.2f %.2f %.2f\n", std::abs(off), off, film.pixels[lit_texels[i]].x, e, at.p.x, at.p.y, at.p.z, at.ng.x, at.ng.y, at.ng.z); }
     noise += variance;
     mean += e;
     bias += off;
@@ -106,8 +105,32 @@ TEST_F(Lightmaps, AreWhatPathsSay) {
   const double rms = std::sqrt(std::max(squares - noise, 0.0)) / mean;
   std::printf("RMS %.2f %% of mean E (%.3f lux), truth's own noise of %.2f %% taken off; mean %+.2f %%\n", 100 * rms,
               mean, 100 * std::sqrt(noise) / mean, 100 * bias / mean);
-  std::printf("%s\n", result["texels"].dump().c_str());
+  // Found: 0.9 %, half of it the grid's own error of what the gather rays meet. The truth's noise, squared, is known to
+  // a twentieth (1,000 texels): 0.5 % of RMS.
   EXPECT_LT(rms, 0.01);
+
+  // The texture holds the same, and three.js reads it.
+  const Ktx2Read texture = read_ktx2(bytes_of(path("map.ktx2")));
+  EXPECT_EQ(texture.width, std::uint32_t(size));
+  EXPECT_EQ(texture.depth, 0U);
+  for (std::size_t i = 0; i < film.pixels.size(); ++i)
+    ASSERT_NEAR(ktx2_texel(texture, i).y, film.pixels[i].y, 1e-3F * film.pixels[i].y + 1e-6F) << i;  // half floats
+  EXPECT_NE(texture.notes.at("ivory").find("lightmap"), std::string::npos);
+}
+
+TEST_F(Lightmaps, SayWhatIsWrong) {
+  const std::string room = unwrapped_room(96);
+  run("bake grid " + room + " -o " + path("g.vdb") + " --resolution 4 --photons 20k");
+  const std::string grid = " --grid " + path("g.vdb");
+  const std::string command = "bake lightmap " + room + " -o " + path("m.exr");
+  expect_one_line(command, 2, "--grid");
+  expect_one_line("bake lightmap " + room + grid + " -o " + path("m.png"), 2, ".ktx2");
+  expect_one_line("bake lightmap " + scene("room_boxes.gltf") + grid + " -o " + path("m.exr"), 1, "lacks TEXCOORD_1");
+  const std::string quick = grid + " --size 48x48 --samples 2 --gather 2";
+  run(command + quick + " --threads 1 -o " + path("m.ktx2"));
+  run("bake lightmap " + room + " -o " + path("n.exr") + " -o " + path("n.ktx2") + quick + " --threads 2");
+  EXPECT_EQ(bytes_of(path("m.ktx2")), bytes_of(path("n.ktx2")));
+  EXPECT_EQ(bytes_of(path("m.exr")), bytes_of(path("n.exr")));
 }
 
 }  // namespace
