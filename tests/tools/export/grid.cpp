@@ -349,7 +349,7 @@ TEST_F(ExportGrid, ThreeJsLoadsIt) {
 TEST_F(ExportGrid, SaysWhatDoesNotGo) {
   bake(scene("room_boxes.gltf"), "--resolution 4");
   const std::string grid = "export " + path("g.vdb");
-  expect_one_line(grid + " --to unity -o " + path("x.json"), 2, "takes no grid");
+  expect_one_line(grid + " --to playcanvas -o " + path("x.json"), 2, "takes no grid");
   expect_one_line(grid + " --to three.js -o " + path("x.json"), 2, ".ktx2");
   expect_one_line(grid + " --to three.js --texels half -o " + path("x.ktx2"), 2, "--texels");
   expect_one_line(grid + " --to bevy --voxel-size 0 -o " + path("x.ktx2"), 2, "--voxel-size");
