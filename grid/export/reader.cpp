@@ -6,9 +6,10 @@
 
 #include "grid/base/counted_random.h"
 #include "grid/env/sh9.h"
+#include "grid/export/survey/plane_points.h"
+#include "grid/export/survey/thin_walls.h"
 #include "grid/field/guard.h"
 #include "grid/field/lookup.h"
-#include "grid/field/yield.h"
 
 namespace ivory {
 
@@ -43,16 +44,6 @@ ProbeReader sides_reader(const ProbeVolume& volume) {
 
 namespace {
 
-// The records of the volume's probes, where they are the grid's vertices.
-bool has_planes(const IrradianceGrid& grid, const ProbeVolume& volume) {
-  return !volume.resampled && !grid.guard.empty();
-}
-
-bool see_each_other(const IrradianceGrid& grid, const GridFrame& frame, std::size_t a, std::size_t b) {
-  const V3f step(frame.vertex_coordinates(b) - frame.vertex_coordinates(a));
-  return hidden_by(grid.guard[a], step) <= 0 && hidden_by(grid.guard[b], -step) <= 0;
-}
-
 // Are all probes around p measured, and in one room?
 bool in_the_open(const IrradianceGrid& grid, const ProbeVolume& volume, const V3f& p) {
   const V3f index = volume.frame.to_index(p);
@@ -65,7 +56,7 @@ bool in_the_open(const IrradianceGrid& grid, const ProbeVolume& volume, const V3
     if (!has_planes(grid, volume)) continue;
     if (hidden_by(grid.guard[probe], index - V3f(volume.frame.vertex_coordinates(probe))) > 0) return false;
     for (std::size_t k = 0; k < i; ++k)
-      if (!see_each_other(grid, volume.frame, probe, footprint.vertex[k])) return false;
+      if (!see_each_other(grid, probe, footprint.vertex[k])) return false;
   }
   return true;
 }
@@ -114,22 +105,9 @@ Sum measure_on_surfaces(const IrradianceGrid& grid, const ProbeReader& reader, i
   LookupParams lookup = export_lookup(grid);
   lookup.nudge_voxels = LookupParams().nudge_voxels;
   for (std::uint64_t i = 0; i < std::uint64_t(points) * tries_a_point && sum.count() < points; ++i) {
-    const auto uniform = [&](std::uint64_t k) { return counted_uniform(seed, numbers_a_try * i + k); };
-    const auto vertex = std::uint32_t(uniform(0) * double(grid.vertex_count()));
-    if (!is_lit(grid, vertex)) continue;
-    const auto plane = unpack(grid.guard[vertex].words[std::size_t(uniform(1) * guard_planes)]);
-    if (!plane || plane->distance < 0 || plane->distance > 1) continue;
-    V3f u(float(2 * uniform(2) - 1), float(2 * uniform(3) - 1), float(2 * uniform(4) - 1));
-    u += plane->normal * (plane->distance - plane->normal.dot(u));
-    constexpr float rounding = 1e-3F;  // it lies in that plane, and before the others
-    if (std::max({std::abs(u.x), std::abs(u.y), std::abs(u.z)}) > 1 || hidden_by(grid.guard[vertex], u) > rounding)
-      continue;
-    const VertexPlace place = grid.place_of(vertex);
-    const GridFrame& frame = grid.frame_of(place.level);
-    const V3f p = frame.to_world(V3f(place.at) + u);
-    // A plane of index coordinates q: its normal in metres goes with 1 / spacing.
-    const V3f n = frame.direction_to_world(-plane->normal / frame.spacing_m).normalized();
-    if (!grid.frame.covers(p)) continue;
+    const std::optional<SurfacePoint> at = plane_point(grid, seed, i);
+    if (!at) continue;
+    const auto& [p, n] = *at;
     const Footprint footprint = lookup_footprint(grid, p, n, lookup);
     const Rgb truth = irradiance(grid, footprint, n, Reconstruction::optimal);
     if (footprint.count > 0 && !is_black(truth)) sum.add(reader(p, n), truth);
@@ -144,24 +122,6 @@ ReaderLoss measure_reader(const IrradianceGrid& grid, const ProbeVolume& volume,
   const Sum open = measure_in_the_open(grid, volume, reader, offset, points, seed);
   const Sum surfaces = measure_on_surfaces(grid, reader, points, seed + 1);
   return {open.relative_rms(), surfaces.relative_rms(), open.count(), surfaces.count()};
-}
-
-std::size_t thin_walls(const IrradianceGrid& grid, const ProbeVolume& volume) {
-  if (!has_planes(grid, volume)) return 0;
-  const GridFrame& frame = volume.frame;
-  std::size_t pairs = 0;
-  for (std::size_t i = 0; i < frame.vertex_count(); ++i) {
-    if (volume.states[i] != ProbeState::measured) continue;
-    const V3i at = frame.vertex_coordinates(i);
-    for (int axis = 0; axis < 3; ++axis) {
-      V3i next = at;
-      next[axis] += 1;
-      if (next[axis] >= frame.size[axis]) continue;
-      const std::size_t other = frame.vertex_index(next.x, next.y, next.z);
-      if (volume.states[other] == ProbeState::measured && !see_each_other(grid, frame, i, other)) ++pairs;
-    }
-  }
-  return pairs;
 }
 
 }  // namespace ivory

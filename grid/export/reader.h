@@ -39,8 +39,4 @@ struct ReaderLoss {
 ReaderLoss measure_reader(const IrradianceGrid& grid, const ProbeVolume& volume, const ProbeReader& reader,
                           float offset, int points, std::uint64_t seed);
 
-// Pairs of neighbouring probes that are both lit and do not see each other: walls thinner than a cell, through which a
-// reader without guard leaks. 0 for a volume without planes.
-std::size_t thin_walls(const IrradianceGrid& grid, const ProbeVolume& volume);
-
 }  // namespace ivory

@@ -9,6 +9,7 @@ namespace {
 using enum ExportTarget;
 constexpr ExportAsset distant = ExportAsset::distant;
 constexpr ExportAsset grid = ExportAsset::grid;
+constexpr ExportAsset scene = ExportAsset::scene;
 
 constexpr auto formats = std::to_array<ExportFormat>({
     {three_js, distant, ".json", "", "LightProbe, for ObjectLoader"},
@@ -22,12 +23,15 @@ constexpr auto formats = std::to_array<ExportFormat>({
     {gltf, distant, ".glb", "", "the same for a binary scene"},
     {bevy, distant, ".ktx2", "", "cube map for EnvironmentMapLight"},
     {three_js, grid, ".ktx2", ".js .json", "LightProbeGrid's atlas, and a module that loads it"},
+    {unity, grid, ".asset", "", "LightProbes: light probes"},
     {godot, grid, ".tres", "", "LightmapGIData: light probes for moving objects"},
     {bevy, grid, ".ktx2", ".json", "IrradianceVolume"},
     {ExportTarget::sides, grid, ".ktx2", ".json", "plain 3D texture: E at six normals"},
     {ExportTarget::sh9, grid, ".ktx2", ".json", "plain 3D texture: nine coefficients"},
     {nanovdb, grid, ".nvdb", "", "NanoVDB: E at six normals"},
     {usd, grid, ".usda", "", "a Volume of OpenVDBAsset fields, which names the .vdb file"},
+    {vrc, grid, ".asset", ".1.asset .2.asset .json", "VRC Light Volumes' LightVolume: its three textures"},
+    {web, scene, "", "", "a folder: a page that shows the scene lit by --grid, in three.js"},
 });
 
 }  // namespace
@@ -39,6 +43,8 @@ const ExportFormat& export_format(ExportTarget target, ExportAsset asset, std::s
   for (const ExportFormat& format : formats) {
     if (format.target != target || format.asset != asset) continue;
     if (format.extension == extension) return format;
+    if (format.extension.empty())
+      throw ParameterError("output", std::string(name_of(target)) + " writes a folder: give a name without extension");
     known += (known.empty() ? "" : ", ") + std::string(format.extension);
   }
   if (!known.empty())

@@ -22,7 +22,9 @@ enum class ExportTarget {
   sides,
   sh9,
   nanovdb,
-  usd
+  usd,
+  vrc,
+  web
 };
 template <>
 inline constexpr auto name_table<ExportTarget> =
@@ -37,18 +39,20 @@ inline constexpr auto name_table<ExportTarget> =
                                              {ExportTarget::sides, "sides"},
                                              {ExportTarget::sh9, "sh9"},
                                              {ExportTarget::nanovdb, "nanovdb"},
-                                             {ExportTarget::usd, "usd"}});
+                                             {ExportTarget::usd, "usd"},
+                                             {ExportTarget::vrc, "vrc"},
+                                             {ExportTarget::web, "web"}});
 
-enum class ExportAsset { distant, grid };
+enum class ExportAsset { distant, grid, scene };
 template <>
-inline constexpr auto name_table<ExportAsset> =
-    make_name_table<ExportAsset>("asset", {{ExportAsset::distant, "SH9 or DifMap"}, {ExportAsset::grid, "grid"}});
+inline constexpr auto name_table<ExportAsset> = make_name_table<ExportAsset>(
+    "asset", {{ExportAsset::distant, "SH9 or DifMap"}, {ExportAsset::grid, "grid"}, {ExportAsset::scene, "scene"}});
 
 // One file kind that a target takes of one kind of asset.
 struct ExportFormat {
   ExportTarget target;
   ExportAsset asset;
-  std::string_view extension;  // of the file, in lower case: ".json"
+  std::string_view extension;  // of the file, in lower case: ".json"; empty: a folder
   std::string_view beside;     // extensions of files that are written beside it, separated by spaces
   std::string_view holds;      // what is in it
 };

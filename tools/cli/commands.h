@@ -8,6 +8,7 @@ struct CommonOptions;
 
 void add_bake_grid_command(Command bake, CommonOptions& common);  // `bake` is the `ivory bake` command
 void add_bake_cubemap_command(Command bake, CommonOptions& common);
+void add_bake_lightmap_command(Command bake, CommonOptions& common);
 void add_bake_lobes_command(Command bake, CommonOptions& common);
 void add_bake_spheres_command(Command bake, CommonOptions& common);
 void add_bake_difmap_command(Command bake, CommonOptions& common);

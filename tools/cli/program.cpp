@@ -57,6 +57,7 @@ ProgramEnd run(int argc, char** argv) {
   bake.require_subcommand();
   add_bake_grid_command(bake, common);
   add_bake_cubemap_command(bake, common);
+  add_bake_lightmap_command(bake, common);
   add_bake_lobes_command(bake, common);
   add_bake_spheres_command(bake, common);
   add_bake_difmap_command(bake, common);

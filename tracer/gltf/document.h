@@ -24,6 +24,7 @@ struct Document {
 
   std::string path;
   bool is_glb = false;
+  std::set<int> uv_sets;  // to read whether or not a texture asks for them
   // Checked by check_schema(): every property that ivory reads has its type and range, every index
   // its target. Extensions, images and buffers are read from here; the rest from `model`.
   std::unique_ptr<nlohmann::json> json;

@@ -44,6 +44,7 @@ void read_distances(const gltf::Document& document, LoadedScene& loaded) {
 LoadedScene load_gltf(const std::string& path, const LoadParams& params) {
   gltf::Document document;
   document.path = path;
+  document.uv_sets = {params.uv_sets.begin(), params.uv_sets.end()};
   gltf::read_json(document);
   gltf::check_schema(document);
   gltf::check_extensions(document);

@@ -15,7 +15,8 @@ struct LoadParams {
   std::optional<double> time_s = {};  // poses nodes, skins and morphs as the animation has them then; none: as stored
   std::string animation = {};         // its name, or its index; empty: the first
   std::vector<std::string> without =
-      {};  // names or indices of nodes: left out with all below, but for cameras and joints
+      {};                         // names or indices of nodes: left out with all below, but for cameras and joints
+  std::vector<int> uv_sets = {};  // TEXCOORD_n to read though no texture asks for them, of meshes that have them
 };
 
 struct LoadedScene {

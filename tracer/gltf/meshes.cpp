@@ -185,6 +185,8 @@ void read_uvs(Document& document, const Attributes& attributes, std::vector<Mate
     if (use.texture == no_index) continue;
     (attributes.has(fmt::format("TEXCOORD_{}", use.uv_set)) ? wanted : lacking).insert(use.uv_set);
   }
+  for (const int set : document.uv_sets)
+    if (attributes.has(fmt::format("TEXCOORD_{}", set))) wanted.insert(set);
   for (const int set : wanted) {
     const std::string name = fmt::format("TEXCOORD_{}", set);
     check_format(attributes, name);

@@ -131,6 +131,12 @@ Rgb trace_gather(const LitScene& lit, const GridLight& grid, const Ray& ray, con
   return trace_gather(lit, indirect_light(lit, grid), ray, params, random);
 }
 
+Rgb gather_irradiance(const LitScene& lit, const IndirectLight& indirect, const Surface& white,
+                      const GatherParams& params, RandomStream& random) {
+  const Gatherer gatherer{lit, indirect, params};
+  return gatherer.reflected(white, white.ns, /*first=*/true, random) * pi;
+}
+
 Film render_gather(const LitScene& lit, const IndirectLight& indirect, const View& view, const RenderParams& render,
                    const GatherParams& params) {
   return render_film(view, render, [&](const Ray& ray, RandomStream& random) {

@@ -41,7 +41,12 @@ Rgb trace_gather(const LitScene& lit, const IndirectLight& indirect, const Ray& 
 Rgb trace_gather(const LitScene& lit, const GridLight& grid, const Ray& ray, const GatherParams& params,
                  RandomStream& random);
 
-// The picture of that; threads, seed and samples as in render_film(). Throws as that does.
+// One estimate of E in lux at a white Lambertian surface (white_receiver() of probe.h), at its shading normal: pi times
+// what it reflects.
+Rgb gather_irradiance(const LitScene& lit, const IndirectLight& indirect, const Surface& white,
+                      const GatherParams& params, RandomStream& random);
+
+// The picture of trace_gather(); threads, seed and samples as in render_film(). Throws as that does.
 Film render_gather(const LitScene& lit, const IndirectLight& indirect, const View& view, const RenderParams& render,
                    const GatherParams& params);
 

@@ -98,8 +98,8 @@ TextureResult write_scaled(const std::string& path, Atlas atlas, Ktx2Format form
 
 }  // namespace
 
-TextureResult write_three_js_volume(const std::string& path, const ProbeVolume& volume, const ProbeExport& about,
-                                    bool force) {
+TextureResult write_three_js_atlas(const std::string& path, const ProbeVolume& volume, const ProbeExport& about,
+                                   bool force) {
   // LightProbeGridWebGL.js: the 27 numbers of a probe, coefficient by coefficient, four a texel.
   const Atlas atlas = padded_atlas(volume.frame.size, 7, [&](int block, std::size_t probe) {
     V4f texel(0, 0, 0, 0);
@@ -116,6 +116,12 @@ TextureResult write_three_js_volume(const std::string& path, const ProbeVolume& 
   // The WebGL version of the class knows no intensity that could scale halves.
   out.format = scale_for(largest, Ktx2Format::rgba16f) == 1 ? Ktx2Format::rgba16f : Ktx2Format::rgba32f;
   write_atlas(path, atlas, out.format, notes_of(about), force);
+  return out;
+}
+
+TextureResult write_three_js_volume(const std::string& path, const ProbeVolume& volume, const ProbeExport& about,
+                                    bool force) {
+  const TextureResult out = write_three_js_atlas(path, volume, about, force);
   write_file(beside(path, ".js"), loader_of_three_js(volume, path), force);
   Json json = probe_json(volume, about, path);
   json["layout"] = "LightProbeGrid's atlas: 27 radiance coefficients a probe, four a texel, seven blocks along z";

@@ -19,6 +19,10 @@ struct TextureResult {
 TextureResult write_three_js_volume(const std::string& path, const ProbeVolume& volume, const ProbeExport& about,
                                     bool force);
 
+// Its atlas alone, for grids that stand where that one does.
+TextureResult write_three_js_atlas(const std::string& path, const ProbeVolume& volume, const ProbeExport& about,
+                                   bool force);
+
 // Bevy's IrradianceVolume: E / pi / scale of six sides, where the scale is the component's `intensity`; NAME.json has
 // its Transform. `format`: rgba16f or e5b9g9r9.
 TextureResult write_bevy_volume(const std::string& path, const ProbeVolume& volume, const ProbeExport& about,

@@ -200,7 +200,7 @@ TEST_F(ExportDistant, SaysWhatDoesNotGo) {
   expect_one_line(sky + " --to nanovdb -o " + path("x.nvdb"), 2, "takes no SH9 or DifMap");
   expect_one_line(sky + " --to gltf -o " + path("x.gltf"), 2, "--scene");
   expect_one_line(sky + " --to gltf --scene " + scene("knot.glb") + " -o " + path("x.gltf"), 2, "both .gltf");
-  expect_one_line(sky + " --to unity --scene " + scene("knot.glb") + " -o " + path("x.json"), 2, "--to gltf only");
+  expect_one_line(sky + " --to unity --scene " + scene("knot.glb") + " -o " + path("x.json"), 2, "--to gltf");
   expect_one_line("export " + path("sky.exr") + " --to three.js -o " + path("x.json"), 1, "is not baked");
   expect_one_line("export " + scene("knot.glb") + " --to three.js -o " + path("x.json"), 1, "is not baked");
   expect_one_line("export " + path("none.json") + " --to three.js -o " + path("x.json"), 1, "does not exist");

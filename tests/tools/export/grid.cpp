@@ -272,6 +272,49 @@ TEST_F(ExportGrid, LeaksThroughThinSlabsOnly) {
   }
 }
 
+// --report says where readers will show what they should not, by the planes alone and by rays in the scene.
+TEST_F(ExportGrid, ReportsLeaksBeforeTheyShip) {
+  const std::string thin = cellar_scene(0.05F, 2.75F);
+  bake(thin, "--voxel-size 0.5");
+  for (const std::string& with_scene : {std::string(), " --scene " + thin}) {
+    const Json report = export_to("bevy", "bevy.ktx2", "--report " + path("report.html") + with_scene)["report"];
+    const Texture3d bevy(path("bevy.ktx2"));
+    const Placement at(path("bevy.json"));
+    EXPECT_GT(report["too_bright"], 0.05) << with_scene;  // the cellar's ceiling is a tenth of all surfaces
+    ASSERT_FALSE(report["worst"].empty());
+    // The worst places are the ceiling's, and what is said to be shown there is what Bevy's formula shows.
+    for (const Json& place : report["worst"]) {
+      const V3d p = Placement::vector(place["p_m"]);
+      const V3d n = Placement::vector(place["n"]);
+      if (place["off"].get<double>() < 0.15) continue;
+      EXPECT_LT(p.y, -0.04) << place;
+      EXPECT_GT(p.y, -0.6) << place;
+      const double shown = read_bevy(bevy, at, at.json["intensity"], p, n).x * 3.14159265358979;
+      EXPECT_NEAR(place["shown_lux"].get<double>() / shown, 1, 0.01);  // half floats
+    }
+    const Json& wall = report["thin_walls"].at(0);
+    EXPECT_EQ(wall["across"], "y");
+    EXPECT_NEAR(wall["center_m"][1].get<double>(), -0.025, 0.25);
+    EXPECT_NEAR(wall["area_m2"].get<double>(), 16, 4);
+    EXPECT_GT(wall["brightest"], 0.1);
+    const std::string page = bytes_of(path("report.html"));
+    EXPECT_NE(page.find("Walls thinner than a cell"), std::string::npos);
+    EXPECT_NE(page.find("<circle"), std::string::npos);
+  }
+  const RunResult said =
+      run_ivory("export " + path("g.vdb") + " --to bevy -o " + path("x.ktx2") + " --report " + path("x.html"));
+  EXPECT_NE(said.output.find("wall thinner than a cell at"), std::string::npos) << said.output;
+  expect_one_line("export " + path("g.vdb") + " --to usd -o " + path("x.usda") + " --report " + path("y.html"), 2,
+                  "--report");
+  expect_one_line("export " + path("g.vdb") + " --to bevy -o " + path("y.ktx2") + " --report " + path("y.txt"), 2,
+                  ".html");
+
+  bake(cellar_scene(0.7F, 2.75F), "--voxel-size 0.5");
+  const Json thick = export_to("bevy", "bevy.ktx2", "--report " + path("thick.html"))["report"];
+  EXPECT_TRUE(thick["thin_walls"].empty());
+  EXPECT_LT(thick["too_bright"], 0.02);
+}
+
 // The loader that is written, run by three.js itself: probes stand where the grid's vertices do, and hold its light.
 TEST_F(ExportGrid, ThreeJsLoadsIt) {
   SKIP_WITHOUT_NODE_PACKAGES();
@@ -306,7 +349,7 @@ TEST_F(ExportGrid, ThreeJsLoadsIt) {
 TEST_F(ExportGrid, SaysWhatDoesNotGo) {
   bake(scene("room_boxes.gltf"), "--resolution 4");
   const std::string grid = "export " + path("g.vdb");
-  expect_one_line(grid + " --to unity -o " + path("x.json"), 2, "takes no grid");
+  expect_one_line(grid + " --to playcanvas -o " + path("x.json"), 2, "takes no grid");
   expect_one_line(grid + " --to three.js -o " + path("x.json"), 2, ".ktx2");
   expect_one_line(grid + " --to three.js --texels half -o " + path("x.ktx2"), 2, "--texels");
   expect_one_line(grid + " --to bevy --voxel-size 0 -o " + path("x.ktx2"), 2, "--voxel-size");

@@ -1,0 +1,10 @@
+# Writes OUTPUT, a C++ file that holds the text of each file of the list FILES in FOLDER as FUNCTION() of HEADER.
+set(text "// Made by tools/cmake/EmbedFiles.cmake.\n#include \"${HEADER}\"\n\nnamespace ivory {\n\n")
+string(APPEND text "const std::vector<std::pair<std::string, std::string>>& ${FUNCTION}() {\n")
+string(APPEND text "  static const std::vector<std::pair<std::string, std::string>> files{\n")
+foreach(name IN LISTS FILES)
+  file(READ ${FOLDER}/${name} source)
+  string(APPEND text "    {\"${name}\", R\"FILE(${source})FILE\"},\n")
+endforeach()
+string(APPEND text "  };\n  return files;\n}\n\n}  // namespace ivory\n")
+file(WRITE ${OUTPUT} "${text}")
