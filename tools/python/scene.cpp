@@ -4,6 +4,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "grid/base/anchor.h"
+#include "tools/cli/numbers.h"
 #include "tools/python/arrays.h"
 #include "tools/python/assets.h"
 #include "tools/python/work.h"
@@ -60,7 +61,8 @@ MeshInput load_mesh_asset(const Path& path, double scale, std::optional<double> 
 py::object bounds_of(const Scene& scene) {
   const Box3f box = bounds(scene);
   if (box.isEmpty()) return py::none();
-  return py::make_tuple(to_tuple(to_world(box.min, scene.anchor_m)), to_tuple(to_world(box.max, scene.anchor_m)));
+  return py::make_tuple(py::tuple(py::cast(shortest(box.min, scene.anchor_m))),
+                        py::tuple(py::cast(shortest(box.max, scene.anchor_m))));
 }
 
 std::size_t triangles_of(const Scene& scene) {
