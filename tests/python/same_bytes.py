@@ -49,12 +49,14 @@ class SameBytes(FolderTest):
         self.expect_same_bytes(sky.bake_sh9(order=2, window=3.5), "sh9", SKY, "--order", 2, "--window", 3.5)
 
     def test_occluder_table(self):
-        table = ivory.Mesh(KNOT).bake_fiv(ivory.Environment(SKY), samples=(8, 5, 4), hemispheres=6)
-        self.expect_same_bytes(table, "fiv", KNOT, "--env", SKY, "--samples", "8,5,4", "--hemispheres", 6)
+        table = ivory.Mesh(KNOT).bake_fiv(ivory.Environment(SKY), samples=(8, 5, 4), hemispheres=6, env_size=8,
+                                                parts=64, farthest=4, silhouette=32)
+        self.expect_same_bytes(table, "fiv", KNOT, "--env", SKY, "--samples", "8,5,4", "--hemispheres", 6,
+                               "--env-size", 8, "--parts", 64, "--farthest", 4, "--silhouette", 32)
 
     def test_spheres(self):
-        spheres = ivory.Mesh(KNOT).bake_spheres(count=8, resolution=32)
-        self.expect_same_bytes(spheres, "spheres", KNOT, "--count", 8, "--resolution", 32)
+        spheres = ivory.Mesh(KNOT).bake_spheres(count=8, resolution=16)
+        self.expect_same_bytes(spheres, "spheres", KNOT, "--count", 8, "--resolution", 16)
 
     def test_lobes(self):
         table = ivory.bake_lobes(exponent_nodes=5, angle_nodes=9, error_samples=1000)

@@ -17,6 +17,14 @@ if(IVORY_BUILD_TOOLS)
       \"$<TARGET_FILE:ivory>\" \"${man_folder}\" COMMAND_ERROR_IS_FATAL ANY)" COMPONENT tools)
     install(DIRECTORY ${man_folder}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tools)
   endif()
+  # What desktops show: the viewer's entry, its description, and the type of .vdb files.
+  install(FILES tools/view/desktop/ivory-view.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications COMPONENT tools)
+  install(FILES tools/view/desktop/ivory.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps
+    COMPONENT tools)
+  install(FILES tools/view/desktop/ivory-mime.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/mime/packages RENAME ivory.xml
+    COMPONENT tools)
+  install(FILES tools/view/desktop/io.ivory.view.metainfo.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/metainfo
+    COMPONENT tools)
   # What ivory chart runs and measures.
   install(DIRECTORY tools/chart DESTINATION ${CMAKE_INSTALL_DATADIR}/ivory/tools COMPONENT tools
     PATTERN "__pycache__" EXCLUDE PATTERN "*.cpp" EXCLUDE)

@@ -7,6 +7,7 @@
 
 #include "grid/base/anchor.h"
 #include "grid/io/file.h"
+#include "tools/cli/numbers.h"
 #include "tools/input/assumptions.h"
 #include "tools/input/grid.h"
 #include "tools/python/arrays.h"
@@ -107,8 +108,9 @@ void bind_cubemap(Classes& classes) {
       .def_readonly("warnings", &CubeMapAsset::warnings)
       .def_property_readonly("metadata", [](const CubeMapAsset& c) { return to_dict(c.data.metadata); })
       .def_property_readonly("size", [](const CubeMapAsset& c) { return c.data.radiance.size; })
-      .def_property_readonly("position",
-                             [](const CubeMapAsset& c) { return to_tuple(to_world(c.data.origin_m, c.data.anchor_m)); })
+      .def_property_readonly(
+          "position",
+          [](const CubeMapAsset& c) { return py::tuple(py::cast(shortest(c.data.origin_m, c.data.anchor_m))); })
       .def_property_readonly(
           "radiance",
           [](const py::object& self) {

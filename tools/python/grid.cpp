@@ -9,6 +9,7 @@
 #include "grid/field/mix.h"
 #include "grid/io/file.h"
 #include "grid/io/vdb/vdb.h"
+#include "tools/cli/numbers.h"
 #include "tools/input/group_factors.h"
 #include "tools/input/vdb/load.h"
 #include "tools/python/arrays.h"
@@ -202,7 +203,9 @@ void bind_grid(Classes& classes) {
       .def_property_readonly("vertices", [](const GridAsset& g) { return g.data.vertex_count(); })
       .def_property_readonly("resolution", [](const GridAsset& g) { return size_of(g.data.finest_frame()); })
       .def_property_readonly("spacing",
-                             [](const GridAsset& g) { return to_tuple(V3d(g.data.finest_frame().spacing_m)); })
+                             [](const GridAsset& g) {
+                               return py::tuple(py::cast(shortest(g.data.finest_frame().spacing_m, V3d(0, 0, 0))));
+                             })
       .def_property_readonly("groups",
                              [](const GridAsset& g) {
                                std::vector<std::string> names;

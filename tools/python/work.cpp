@@ -66,7 +66,10 @@ void run_job(const std::function<void(Job&)>& work, const py::object& progress, 
     done = true;
     changed.notify_one();
   });
-  // With the GIL; whatever Python raises ends the work.
+  // With the GIL; whatever Python raises ends the work. Progress is told when it is made, and now and then without.
+  constexpr std::chrono::seconds longest_silence{1};
+  Job::State told;
+  auto told_at = std::chrono::steady_clock::now() - longest_silence;
   const auto look = [&](bool finished) {
     if (raised) return;
     try {
@@ -76,7 +79,13 @@ void run_job(const std::function<void(Job&)>& work, const py::object& progress, 
         const std::lock_guard lock(job.mutex_);
         return job.state_;
       }();
-      if (finished || !state.stage.empty()) progress(state.stage, finished ? 1.0 : state.fraction);
+      const auto now = std::chrono::steady_clock::now();
+      const bool news =
+          state.stage != told.stage || state.fraction != told.fraction || now - told_at >= longest_silence;
+      if (!finished && (state.stage.empty() || !news)) return;
+      told = state;
+      told_at = now;
+      progress(state.stage, finished ? 1.0 : state.fraction);
     } catch (py::error_already_set&) {
       raised = std::current_exception();
       const std::lock_guard lock(job.mutex_);

@@ -35,9 +35,9 @@ class Job {
 };
 
 // Runs `work` in a thread of its own, held to `threads` (0: one a core), and waits for it. `progress` is None or a
-// function of (stage: str, fraction: float), called from the caller's thread some times a second and when the work is
-// done. What that raises, and KeyboardInterrupt, ends the work at its next progress and is raised here; so is what the
-// work throws. The caller holds the GIL, the work does not.
+// function of (stage: str, fraction: float), called from the caller's thread, at most twenty times a second and when
+// the work is done. What that raises, and KeyboardInterrupt, ends the work at its next progress and is raised here; so
+// is what the work throws. The caller holds the GIL, the work does not.
 void run_job(const std::function<void(Job&)>& work, const pybind11::object& progress, int threads);
 
 // The same for work that answers something.
