@@ -1,4 +1,8 @@
 // ivory.Grid: a baked irradiance-vector grid, its numbers and its look-ups.
+#include <limits>
+#include <map>
+#include <variant>
+
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>

@@ -1,4 +1,7 @@
 // ivory.Scene and ivory.Mesh: glTF files, and the light in them path-traced.
+#include <cmath>
+#include <limits>
+
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
