@@ -1,6 +1,7 @@
 #include "tools/python/arrays.h"
 
 #include <utility>
+#include <variant>
 
 namespace ivory::python {
 

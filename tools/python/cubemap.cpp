@@ -1,6 +1,9 @@
 // Scene.bake_cubemap and ivory.CubeMap.
 #include "grid/io/cubemap.h"
 
+#include <array>
+#include <cmath>
+
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>

@@ -1,4 +1,7 @@
 // ivory.Environment, ivory.Sh9 and ivory.DifMap: distant light.
+#include <cstring>
+#include <variant>
+
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>

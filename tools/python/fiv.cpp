@@ -1,6 +1,8 @@
 // Mesh.bake_fiv and ivory.FivTable.
 #include "grid/io/fiv.h"
 
+#include <array>
+
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>

@@ -1,4 +1,9 @@
 // Scene.bake_grid: the bake of `ivory bake grid`, with the same parameters and the same bytes.
+#include <array>
+#include <cmath>
+#include <variant>
+
+#include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
 #include "grid/base/anchor.h"

@@ -1,4 +1,6 @@
 // ivory.bake_lobes, ivory.LobeTable, Mesh.bake_spheres and ivory.SphereSet.
+#include <cmath>
+
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>

@@ -1,5 +1,7 @@
 // Scene.render, ivory.Camera, and pictures to files and back.
+#include <array>
 #include <cmath>
+#include <cstring>
 
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
