@@ -38,6 +38,8 @@ step "AppStream" appstreamcli validate --no-net "$desktop/io.ivory.view.metainfo
 rm -rf "$folder/bare"
 step "a bare Debian 12" mmdebstrap --variant=apt --mode=root bookworm "$folder/bare" "deb $mirror bookworm main"
 cp "$packages"/*.deb "$folder/bare/root/"
+cp /etc/resolv.conf "$folder/bare/etc/"
+step "apt update" bare apt-get update
 
 # The program: the bake and the picture of tools/quickstart, smaller.
 step "apt install ivory" bare sh -c 'apt-get install -y --no-install-recommends /root/ivory_*.deb'
