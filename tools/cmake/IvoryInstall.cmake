@@ -4,7 +4,7 @@ include(CMakePackageConfigHelpers)
 
 set(module_folder ${CMAKE_INSTALL_LIBDIR}/ivory)
 if(IVORY_BUILD_TOOLS)
-  set_target_properties(ivory PROPERTIES INSTALL_RPATH "$ORIGIN/../${module_folder}")
+  ivory_finds_modules(ivory "$ORIGIN/../${module_folder}")
   install(TARGETS ivory COMPONENT tools)
   install(TARGETS ivory_images LIBRARY DESTINATION ${module_folder} COMPONENT tools)
   install(FILES tools/cli/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
