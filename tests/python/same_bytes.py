@@ -11,7 +11,7 @@ class SameBytes(FolderTest):
         self.expect_same_bytes(box_grid(), "grid", BOX, "--resolution", 8, "--photons", "100k")
 
     def test_grid_with_all_that_may_be_asked(self):
-        rooms = ivory.Scene(SCENES / "two_rooms.gltf", environment=SKY, scale=0.5)
+        rooms = ivory.Scene(SCENES / "two_rooms.gltf", environment=SKY, scale=0.5, portable=True)
         grid = rooms.bake_grid(bounds=((-1, 0, -1), (1, 1, 1)), rotate_y=20, voxel_size=0.25, levels=2,
                                dynamic=[((-0.5, 0, -0.5), (0.5, 1, 0.5))], photons=50_000, bounces=20,
                                groups={"sky": ["@environment"]}, direct=["sky"], emission="bounds", basis="sh9",
@@ -20,7 +20,7 @@ class SameBytes(FolderTest):
             grid, "grid", SCENES / "two_rooms.gltf", "--env", SKY, "--scale", 0.5, "--bounds", "-1,0,-1:1,1,1",
             "--rotate-y", 20, "--voxel-size", 0.25, "--levels", 2, "--dynamic", "-0.5,0,-0.5:0.5,1,0.5", "--photons",
             "50k", "--bounces", 20, "--groups", "sky=@environment", "--direct-of", "sky", "--emission", "bounds",
-            "--basis", "sh9", "--guard", "planes", "--seed", 7)
+            "--basis", "sh9", "--guard", "planes", "--seed", 7, "--portable")
 
     def test_grid_to_an_error(self):
         grid = box().bake_grid(target_error=0.3)
@@ -49,10 +49,10 @@ class SameBytes(FolderTest):
         self.expect_same_bytes(sky.bake_sh9(order=2, window=3.5), "sh9", SKY, "--order", 2, "--window", 3.5)
 
     def test_occluder_table(self):
-        table = ivory.Mesh(KNOT).bake_fiv(ivory.Environment(SKY), samples=(8, 5, 4), hemispheres=6, env_size=8,
+        table = ivory.Mesh(KNOT, portable=True).bake_fiv(ivory.Environment(SKY), samples=(8, 5, 4), hemispheres=6, env_size=8,
                                                 parts=64, farthest=4, silhouette=32)
         self.expect_same_bytes(table, "fiv", KNOT, "--env", SKY, "--samples", "8,5,4", "--hemispheres", 6,
-                               "--env-size", 8, "--parts", 64, "--farthest", 4, "--silhouette", 32)
+                               "--env-size", 8, "--parts", 64, "--farthest", 4, "--silhouette", 32, "--portable")
 
     def test_spheres(self):
         spheres = ivory.Mesh(KNOT).bake_spheres(count=8, resolution=16)

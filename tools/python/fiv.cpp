@@ -30,6 +30,7 @@ FivAsset bake_table(const MeshInput& mesh, const EnvironmentAsset& environment, 
   params.parts = parts;
   params.farthest = farthest;
   params.silhouette_pixels = silhouette;
+  params.intersector = mesh.options.intersector;
   const auto within = [](int value, int low, int high) { return value >= low && value <= high; };
   require(within(samples[0], 3, 65536) && within(samples[1], 2, 65536) && within(samples[2], 2, 65536), "samples",
           "at least 3 azimuths, 2 polar angles and 2 distances are needed, and at most 65536");

@@ -22,7 +22,7 @@ namespace {
 using Path = std::filesystem::path;
 
 SceneOptions scene_options(double scale, std::optional<double> time, const std::string& animation,
-                           const std::vector<std::string>& without) {
+                           const std::vector<std::string>& without, bool portable) {
   require(scale >= 1e-6 && scale <= 1e6, "scale", "it must be from 1e-6 to 1e6");
   require(animation.empty() || time, "animation", "it goes with time");
   SceneOptions options;
@@ -30,14 +30,15 @@ SceneOptions scene_options(double scale, std::optional<double> time, const std::
   options.load.time_s = time;
   options.load.animation = animation;
   options.load.without = without;
+  options.intersector.portable = portable;
   return options;
 }
 
 SceneAsset load_scene_asset(const Path& path, const std::optional<Path>& environment, const std::string& layout,
                             double scale, std::optional<double> time, const std::string& animation,
-                            const std::vector<std::string>& without) {
+                            const std::vector<std::string>& without, bool portable) {
   require(environment || layout.empty(), "layout", "it goes with environment");
-  const SceneOptions options = scene_options(scale, time, animation, without);
+  const SceneOptions options = scene_options(scale, time, animation, without, portable);
   EnvironmentChoice choice;
   if (environment) choice = {environment->string(), layout};
   CommonOptions quiet;
@@ -51,9 +52,9 @@ SceneAsset load_scene_asset(const Path& path, const std::optional<Path>& environ
 }
 
 MeshInput load_mesh_asset(const Path& path, double scale, std::optional<double> time, const std::string& animation,
-                          const std::vector<std::string>& without) {
+                          const std::vector<std::string>& without, bool portable) {
   MeshInput mesh = [&] {
-    const SceneOptions options = scene_options(scale, time, animation, without);
+    const SceneOptions options = scene_options(scale, time, animation, without, portable);
     const py::gil_scoped_release free;
     return load_mesh_input(path.string(), options);
   }();
@@ -126,7 +127,7 @@ void bind_scene(Classes& classes) {
   classes.scene
       .def(py::init(&load_scene_asset), py::arg("path"), py::arg("environment") = py::none(), py::kw_only(),
            py::arg("layout") = "", py::arg("scale") = 1.0, py::arg("time") = py::none(), py::arg("animation") = "",
-           py::arg("without") = std::vector<std::string>{})
+           py::arg("without") = std::vector<std::string>{}, py::arg("portable") = false)
       .def_readonly("path", &SceneAsset::path)
       .def_property_readonly("warnings", [](const SceneAsset& s) { return s.input.warnings; })
       .def_property_readonly("origin", [](const SceneAsset& s) { return to_dict(s.input.origin); })
@@ -143,7 +144,8 @@ void bind_scene(Classes& classes) {
   classes.mesh.doc() = "A glTF file taken as one object: an occluder, without lights.";
   classes.mesh
       .def(py::init(&load_mesh_asset), py::arg("path"), py::kw_only(), py::arg("scale") = 1.0,
-           py::arg("time") = py::none(), py::arg("animation") = "", py::arg("without") = std::vector<std::string>{})
+           py::arg("time") = py::none(), py::arg("animation") = "", py::arg("without") = std::vector<std::string>{},
+           py::arg("portable") = false)
       .def_readonly("path", &MeshInput::path)
       .def_property_readonly("warnings", [](const MeshInput& m) { return m.loaded.warnings; })
       .def_property_readonly("bounds", [](const MeshInput& m) { return bounds_of(m.loaded.scene); })

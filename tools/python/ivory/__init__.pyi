@@ -47,6 +47,7 @@ class Scene:
         time: Optional[float] = None,
         animation: str = "",
         without: Sequence[str] = (),
+        portable: bool = False,
     ) -> None: ...
     @property
     def path(self) -> str: ...
@@ -143,6 +144,7 @@ class Mesh:
         time: Optional[float] = None,
         animation: str = "",
         without: Sequence[str] = (),
+        portable: bool = False,
     ) -> None: ...
     @property
     def path(self) -> str: ...
