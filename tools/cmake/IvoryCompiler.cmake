@@ -53,15 +53,6 @@ function(ivory_position_independent target)
   endif()
 endfunction()
 
-# ivory_finds_modules(<target> <folder>): where an installed program finds ivory_images.so, relative to itself as $ORIGIN
-# has it, so that the whole may be moved. Below /usr nothing moves, and $ORIGIN asks for /proc, which a chroot may lack.
-function(ivory_finds_modules target folder)
-  if(CMAKE_INSTALL_PREFIX STREQUAL "/usr")
-    set(folder ${CMAKE_INSTALL_FULL_LIBDIR}/ivory)
-  endif()
-  set_target_properties(${target} PROPERTIES INSTALL_RPATH "${folder}")
-endfunction()
-
 # Header-only libraries cost most of the time of compiling; each target reads those it uses once.
 set(ivory_std_headers <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <memory> <optional> <span> <string>
   <string_view> <utility> <vector> <ImathBox.h> <ImathColor.h> <ImathMatrix.h> <ImathVec.h>)

@@ -4,7 +4,13 @@ include(CMakePackageConfigHelpers)
 
 set(module_folder ${CMAKE_INSTALL_LIBDIR}/ivory)
 if(IVORY_BUILD_TOOLS)
-  ivory_finds_modules(ivory "$ORIGIN/../${module_folder}")
+  # Relative to itself, so that the whole may be moved. Below /usr nothing moves, and a program's $ORIGIN asks for /proc,
+  # which a chroot may lack.
+  set(module_path "$ORIGIN/../${module_folder}")
+  if(CMAKE_INSTALL_PREFIX STREQUAL "/usr")
+    set(module_path ${CMAKE_INSTALL_FULL_LIBDIR}/ivory)
+  endif()
+  set_target_properties(ivory PROPERTIES INSTALL_RPATH ${module_path})
   install(TARGETS ivory COMPONENT tools)
   install(TARGETS ivory_images LIBRARY DESTINATION ${module_folder} COMPONENT tools)
   install(FILES tools/cli/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
