@@ -16,6 +16,7 @@
 #include "grid/io/json.h"
 #include "tools/bake/asset_contract.h"
 #include "tools/bake/checkpoint.h"
+#include "tools/bake/facts.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/assumptions.h"
@@ -77,32 +78,6 @@ BakePlan make_plan(const CheapestSetting& setting, double seconds, double truth_
   return plan;
 }
 
-// Refuses maps that nothing can be lit by, and says what looks like a mistake.
-std::vector<std::string> judge(const BakeCubemapOptions& options, const Capture& capture, const Scene& scene) {
-  const std::string at = fmt::format("({}, {}, {})", options.at.x, options.at.y, options.at.z);
-  const bool dark = std::all_of(capture.cube.radiance.texels.begin(), capture.cube.radiance.texels.end(), is_black);
-  if (capture.sky_share > 0.999999 && !scene.environment)
-    throw Error(options.scene, "has nothing to be seen from " + at, "choose --at within the scene, or give --env");
-  const bool backs = capture.back_share > 0.5 * (1 - capture.sky_share);
-  if (backs && dark) {
-    throw Error(
-        options.scene,
-        at + " lies inside a wall or outside of the scene: only backs of surfaces and no light are seen from there",
-        "choose --at in the open");
-  }
-  std::vector<std::string> warnings;
-  if (backs) {
-    warnings.push_back(
-        fmt::format("{:.0f} % of what is seen from {} are backs of single-sided surfaces: it may lie inside a wall",
-                    100 * capture.back_share, at));
-  } else if (dark) {
-    warnings.push_back("no light arrives at " + at + ": the cube map is black");
-  }
-  if (!bounds(scene).intersects(to_local(options.at, scene.anchor_m)))
-    warnings.push_back(at + " lies outside of the scene's bounds");
-  return warnings;
-}
-
 void run_bake_cubemap(const BakeCubemapOptions& options, const Command& command, const CommonOptions& common) {
   const AssetContract& contract = options.contract;
   if (!contract.target && options.capture % options.size != 0)
@@ -132,7 +107,7 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const Command& command,
     params.progress = [&](double fraction) { progress.update(std::uint64_t(fraction * double(total)), total); };
     return capture_cube(input.lit, to_local(options.at, input.lit.scene->anchor_m), params);
   }();
-  std::vector<std::string> warnings = judge(options, capture, *input.lit.scene);
+  std::vector<std::string> warnings = judge_capture(options.scene, options.at, capture, *input.lit.scene);
   const std::vector<std::string> doubts = doubts_about(tally, *options.grid);
   warnings.insert(warnings.end(), doubts.begin(), doubts.end());
   print_warnings(common, warnings);
@@ -163,20 +138,11 @@ void run_bake_cubemap(const BakeCubemapOptions& options, const Command& command,
   LocalizedCube cube = localize(capture.cube, size, options.shell);
   const double seconds = seconds_since(start);
 
-  Metadata& m = cube.metadata = input.origin;
-  m["version"] = std::string(IVORY_VERSION);
-  m["method"] = std::string("localized cube map");
-  m["indirect"] = std::string(grid ? "grid" : "path");
+  Metadata& m = cube.metadata = cubemap_facts(input.origin, params, options.shell, warnings);
   if (grid) {
     describe(*options.grid, m);
     describe(tally, m);
   }
-  m["capture_size"] = std::int64_t(options.capture);
-  m["samples"] = std::int64_t(options.samples);
-  m["seed"] = std::int64_t(options.seed);
-  m["shell"] = std::string(name_of(options.shell));
-  m["units"] = std::string("nits, 1/m");
-  keep_assumptions(m, warnings);
   std::optional<Certificate> certificate;
   if (contract.measures()) {
     const CubeTruth truth = trace_truth(certificate_receivers, certificate_seed);

@@ -13,6 +13,7 @@
 #include "grid/env/irradiance/error.h"
 #include "tools/bake/asset_contract.h"
 #include "tools/bake/checkpoint.h"
+#include "tools/bake/facts.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/environment.h"
@@ -92,9 +93,6 @@ void run_bake_difmap(const BakeDifmapOptions& options, const Command& command, c
   const double bake_seconds = std::chrono::duration<double>(Clock::now() - loaded).count();
 
   const V3d total = tree.total();
-  double bound = 0;
-  for (int c = 0; c < 3; ++c)
-    if (total[c] > 0) bound = std::max(bound, baked.error_bound[c] / total[c]);
   const Sh9Error sh9 = sh9_error(sh9_from_moments(radiance_moments(input.image)), baked.e, total);
 
   std::optional<Certificate> certificate;
@@ -103,13 +101,9 @@ void run_bake_difmap(const BakeDifmapOptions& options, const Command& command, c
         difmap_error(baked.e, sum_irradiance_truth(input.image, certificate_normals, certificate_seed)), contract,
         irradiance_measure(certificate_normals));
   }
-  DifMap map{std::move(baked.e), std::move(input.origin)};
+  DifMap map = make_difmap(std::move(baked), total, sh9, std::move(input.origin));
   if (certificate) keep_certificate(*certificate, map.metadata);
-  map.metadata["method"] = std::string("difmap");
-  map.metadata["size"] = std::int64_t(size);
-  map.metadata["error_bound"] = bound;
-  map.metadata["sh9_average_error"] = sh9.average;
-  map.metadata["sh9_maximum_error"] = sh9.maximum;
+  const double bound = std::get<double>(map.metadata.at("error_bound"));
   write_difmap(options.output, map, common.force);
 
   nlohmann::ordered_json result{{"file", options.output},

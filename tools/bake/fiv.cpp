@@ -20,6 +20,7 @@
 #include "grid/io/json.h"
 #include "tools/bake/asset_contract.h"
 #include "tools/bake/checkpoint.h"
+#include "tools/bake/facts.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/assumptions.h"
@@ -64,16 +65,10 @@ FivParams params_of(const BakeFivOptions& options) {
   return params;
 }
 
-// The table, what is gathered at its samples, and, for bright lights, at eight times as many.
-double bake_bytes(const FivParams& params) {
-  const double samples = double(params.samples.x) * double(params.samples.y) * double(params.samples.z);
-  return samples * (3 * fiv_function_count(params.hemispheres) * 4 * 11 + 9 * 50);
-}
-
 void check_size(const BakeFivOptions& options, const FivParams& params) {
   const double samples = double(params.samples.x) * double(params.samples.y) * double(params.samples.z);
   const double numbers = 3 * fiv_function_count(params.hemispheres);
-  check_memory(options.output, bake_bytes(params), "ask for fewer --samples");
+  check_memory(options.output, fiv_bake_bytes(params), "ask for fewer --samples");
   if (samples * numbers > 2e9)
     throw UsageError("--samples: such a table would hold more than two thousand million numbers");
 }
@@ -82,14 +77,6 @@ void check_size(const BakeFivOptions& options, const FivParams& params) {
 FivTable rounded(FivTable table) {
   for (float& value : table.values) value = rounded_to_half(value);
   return table;
-}
-
-// The environment as a cube as fine as the map itself, and a multiple of the size it is merged to.
-CubeMap fine_cube(const EnvironmentMap& map, int merged) {
-  constexpr int finest = 512;
-  int size = merged;
-  while (2 * size < map.height && 2 * size <= finest) size *= 2;
-  return cube_from_environment(map, size);
 }
 
 // What the choice and the bake have come to.
@@ -135,8 +122,8 @@ void run_bake_fiv(const BakeFivOptions& options, const Command& command, const C
   }
   check_size(options, params);
   check_output(options.output, ".exr", options.contract, common);
-  if (!is_scene_name(options.mesh)) throw Error(options.mesh, "is no .gltf or .glb file", "convert the mesh");
-  LoadedScene loaded = load_scene(options.mesh, options.load.load);
+  MeshInput mesh = load_mesh_input(options.mesh, options.load);
+  LoadedScene& loaded = mesh.loaded;
   EnvironmentInput environment = load_environment_input(options.environment);
   loaded.warnings.insert(loaded.warnings.end(), environment.warnings.begin(), environment.warnings.end());
   print_warnings(common, loaded.warnings);
@@ -161,25 +148,8 @@ void run_bake_fiv(const BakeFivOptions& options, const Command& command, const C
     return;
   }
 
-  Metadata& m = table.metadata = environment.origin;
-  m["version"] = std::string(IVORY_VERSION);
-  m["method"] = std::string("fiv");
-  m["mesh"] = std::filesystem::path(options.mesh).filename().string();
-  m["mesh_hash"] = loaded.scene.content_hash;
-  describe(options.load, m);
-  keep_assumptions(m, loaded.warnings);
+  Metadata& m = table.metadata = fiv_facts(mesh, occluder, params, environment.origin);
   const V3d center = to_world(occluder.center_m, occluder.anchor_m);
-  if (occluder.anchor_m != V3d(0, 0, 0)) {
-    // Floats do not hold a place far out.
-    m["center_x_m"] = center.x;
-    m["center_y_m"] = center.y;
-    m["center_z_m"] = center.z;
-  }
-  m["environment_size"] = std::int64_t(params.environment_size);
-  m["environment_parts"] = std::int64_t(params.parts);
-  m["silhouette_pixels"] = std::int64_t(params.silhouette_pixels);
-  m["fit"] = std::string(params.fit ? "least squares" : "none");
-  m["units"] = std::string("lux");
   std::optional<Certificate> certificate;
   if (contract.measures()) {
     const FivTable stored = options.precision == ExrPrecision::float32 ? table : rounded(table);

@@ -11,6 +11,7 @@
 #include "grid/io/file.h"
 #include "grid/io/vdb/vdb.h"
 #include "tools/bake/checkpoint.h"
+#include "tools/bake/facts.h"
 #include "tools/bake/grid_contract.h"
 #include "tools/bake/grid_report.h"
 #include "tools/bake/grid_result.h"
@@ -130,8 +131,10 @@ void run_contract(const BakeGridOptions& options, const GridBakeParams& bake, co
   kept.baked();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   check_voxels(options.output, contract.sums.finest_frame());
-  for (const auto& [key, value] : origin) contract.sums.metadata[key] = value;
-  keep_contract(contract, options.contract);
+  keep_origin(input.origin, contract.sums);
+  const GridContractOptions& asked = options.contract;
+  keep_contract(contract, asked.points.empty() ? std::string(name_of(asked.domain)) : "points",
+                asked.target.has_value(), asked.most_seconds);
   std::string report;
   if (!options.contract.report.empty() && contract.certificate)
     report = grid_report(options.output, input.lit, resolve(contract.sums), contract, params.lookup);
@@ -236,7 +239,7 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   }();
   kept.baked();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  for (const auto& [key, value] : origin) sums.metadata[key] = value;
+  keep_origin(input.origin, sums);
 
   const double rate = static_cast<double>(sums.photon_end - sums.photon_begin - kept.done_before()) / seconds;
   auto result = write_result(options.output, std::move(sums), /*finished=*/!params.photon_range, common);

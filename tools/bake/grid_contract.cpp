@@ -177,16 +177,6 @@ std::string plan_text(const GridPlan& plan, double target) {
   return text;
 }
 
-void keep_contract(ContractResult& result, const GridContractOptions& options) {
-  Metadata& metadata = result.sums.metadata;
-  if (result.certificate) keep_field_certificate(*result.certificate, metadata);
-  metadata["contract_rounds"] = std::int64_t(result.rounds);
-  metadata["contract_predicted_error"] = result.plan.error.expected;
-  metadata["contract_domain"] = options.points.empty() ? std::string(name_of(options.domain)) : std::string("points");
-  if (!options.target) metadata["contract_default"] = std::string("no error was asked for");
-  if (result.by_clock) metadata["contract_max_time_s"] = *options.most_seconds;
-}
-
 void add_contract_result(const ContractResult& contract, const GridContractOptions& options, Json& result,
                          const CommonOptions& common) {
   std::vector<std::string> warnings;

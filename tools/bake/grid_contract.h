@@ -38,8 +38,6 @@ ContractParams contract_params(const GridContractOptions& options, const GridBak
 nlohmann::ordered_json plan_json(const GridPlan& plan, double target, const V3d& anchor_m);
 std::string plan_text(const GridPlan& plan, double target);
 
-// Leaves the certificate in the metadata of the sums, to be written with them.
-void keep_contract(ContractResult& result, const GridContractOptions& options);
 // "certificate" of the bake's result, with warnings added to its own and printed.
 void add_contract_result(const ContractResult& contract, const GridContractOptions& options,
                          nlohmann::ordered_json& result, const CommonOptions& common);

@@ -7,9 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "grid/field/evidence.h"
-#include "grid/field/resolve.h"
 #include "grid/io/json.h"
 #include "grid/io/vdb/vdb.h"
+#include "tools/bake/facts.h"
 
 namespace ivory {
 
@@ -61,16 +61,6 @@ Json groups_json(const GridAccumulator& accumulator) {
 
 double share(std::size_t part, std::size_t whole) { return whole == 0 ? 0 : double(part) / double(whole); }
 
-// Of what photons left too little; empty where there is enough.
-std::string few_photons_text(const Evidence& found) {
-  if (found.vertices > 0 && found.unmet == found.vertices)
-    return "nothing of the light reaches the grid: no photon came to any of its vertices, and all of it is 0";
-  const std::size_t met = found.vertices - found.unmet;
-  if (4 * found.few <= met) return {};
-  return fmt::format("{:.0f} % of the vertices that light reaches rest on fewer than {:.0f} photons",
-                     100 * share(found.few, met), few_photons);
-}
-
 }  // namespace
 
 bool is_whole(const GridAccumulator& accumulator) {
@@ -82,13 +72,7 @@ Json write_result(const std::string& path, GridAccumulator accumulator, bool fin
   const std::string doubt = few_photons_text(found);
   const Json groups = groups_json(accumulator);
   if (finished) {
-    IrradianceGrid grid = resolve_groups(accumulator);
-    std::vector<std::int64_t>().swap(accumulator.sums);  // gives the memory back, which = {} does not
-    std::vector<SumGroup>().swap(accumulator.groups);
-    if (!doubt.empty()) grid.metadata["few_photons"] = doubt;
-    grid.metadata["photon_begin"] = std::int64_t(accumulator.photon_begin);
-    grid.metadata["photon_end"] = std::int64_t(accumulator.photon_end);
-    for (const auto& [key, value] : accumulator.counters) grid.metadata[key] = value;
+    const IrradianceGrid grid = finish_grid(accumulator, doubt);
     write_vdb(path, grid, common.force);
   } else {
     write_vdb(path, accumulator, common.force);

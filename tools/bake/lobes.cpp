@@ -13,6 +13,7 @@
 #include "grid/base/error.h"
 #include "tools/bake/asset_contract.h"
 #include "tools/bake/checkpoint.h"
+#include "tools/bake/facts.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 
@@ -97,12 +98,6 @@ std::string line_of(const char* what, const Distribution& d) {
                      d.median, d.worst, d.worst_e1, d.worst_e2, d.worst_angle_rad * 180 / double(pi));
 }
 
-void store(Metadata& m, const std::string& name, const Distribution& d) {
-  m[name + "_mean"] = d.mean;
-  m[name + "_median"] = d.median;
-  m[name + "_worst"] = d.worst;
-}
-
 void run(const BakeLobesOptions& options, const Command& command, const CommonOptions& common) {
   const AssetContract& contract = options.contract;
   check_output(options.output, ".exr", contract, common);
@@ -133,13 +128,7 @@ void run(const BakeLobesOptions& options, const Command& command, const CommonOp
   const double build_seconds = seconds_since(start);
   const LobeTableErrors errors = lobe_table_errors(table, options.samples, options.seed);
 
-  Metadata m;
-  m["version"] = std::string(IVORY_VERSION);
-  m["method"] = std::string("moments");
-  m["error_samples"] = std::int64_t(errors.samples);
-  m["error_seed"] = std::int64_t(options.seed);
-  store(m, "integral_error", errors.absolute);
-  store(m, "integral_error_relative", errors.of_true);
+  Metadata m = lobe_facts(errors, options.seed);
   std::optional<Certificate> certificate;
   if (contract.measures()) {
     const std::vector<LobePair> pairs = make_lobe_pairs(certificate_pairs, certificate_seed);

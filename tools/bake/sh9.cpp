@@ -13,6 +13,7 @@
 #include "grid/io/export/sh9_dialect.h"
 #include "tools/bake/asset_contract.h"
 #include "tools/bake/checkpoint.h"
+#include "tools/bake/facts.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/environment.h"
@@ -21,7 +22,6 @@ namespace ivory {
 
 namespace {
 
-constexpr int truth_size = 32;  // normals that the errors are measured at: 6 x 32 x 32
 // Random normals that order and window are chosen at, and others that the result is judged at.
 constexpr int pilot_normals = 400;
 constexpr int certificate_normals = 500;
@@ -37,31 +37,6 @@ struct BakeSh9Options {
   Sh9Dialect dialect = Sh9Dialect::ivory;
   AssetContract contract;
 };
-
-Sh9Window chosen_window(const std::string& text, const Sh9& sh) {
-  if (text == "none") return {};
-  if (text == "auto") return least_window(sh);
-  double width = 0;
-  try {
-    std::size_t used = 0;
-    width = std::stod(text, &used);
-    if (used != text.size()) width = 0;
-  } catch (const std::exception&) {
-  }
-  if (!(width >= 2 && width <= 1e6))
-    throw UsageError("--window takes none, auto or a width from 2 to 1000000, not '" + text + "'");
-  return hann_window(width);
-}
-
-Sh9Asset make_asset(const Sh9& whole, int order, const std::string& window, const CubeMap& truth, const V3d& total) {
-  Sh9Asset asset;
-  asset.order = order;
-  asset.sh = truncated(whole, order);
-  asset.window = chosen_window(window, asset.sh);
-  asset.sh = windowed(asset.sh, asset.window);
-  asset.error = sh9_error(asset.sh, truth, total);
-  return asset;
-}
 
 struct Sh9Choice {
   int order = 2;
@@ -95,7 +70,7 @@ BakePlan make_plan(const Sh9Choice& choice, const IrradianceTree& tree) {
   BakePlan plan;
   plan.knobs["order"] = choice.order;
   plan.knobs["window"] = choice.window;
-  plan.seconds = within_factor(each * (cube_faces * truth_size * truth_size + certificate_normals), 2);
+  plan.seconds = within_factor(each * (cube_faces * sh9_truth_size * sh9_truth_size + certificate_normals), 2);
   plan.memory_bytes = within_factor(peak_memory_bytes(), 1.3);
   plan.file_bytes = within_factor(4000, 2);
   plan.error = predicted_error(choice.predicted);
@@ -132,16 +107,15 @@ void run_bake_sh9(const BakeSh9Options& options, const Command& command, const C
       return;
     }
   }
-  const IrradianceMap truth = bake_irradiance(tree, truth_size);
+  const IrradianceMap truth = bake_irradiance(tree, sh9_truth_size);
 
   Sh9Asset asset;
   if (contract.target) {
-    asset = make_asset(whole, choice.order, choice.window, truth.e, moments.total);
+    asset = make_sh9_asset(whole, {choice.order, 0, choice.window}, truth.e, moments.total, std::move(input.origin));
   } else {
-    for (int order = automatic ? 0 : std::stoi(options.order); order <= 2; ++order) {
-      asset = make_asset(whole, order, options.window, truth.e, moments.total);
-      if (!automatic || asset.error.average <= options.max_error) break;
-    }
+    const std::optional<int> order = automatic ? std::nullopt : std::optional(std::stoi(options.order));
+    asset = make_sh9_asset(whole, {order, options.max_error, options.window}, truth.e, moments.total,
+                           std::move(input.origin));
     choice = {asset.order, options.window, {}};
   }
   if (contract.dry_run) {
@@ -149,8 +123,6 @@ void run_bake_sh9(const BakeSh9Options& options, const Command& command, const C
     print_plan(options.output, make_plan(choice, tree), contract, input.warnings, common);
     return;
   }
-  asset.metadata = std::move(input.origin);
-  asset.metadata["method"] = std::string("sh9");
   std::optional<Certificate> certificate;
   if (contract.measures()) {
     certificate = make_certificate(

@@ -14,6 +14,7 @@
 #include "grid/io/sphere_set.h"
 #include "tools/bake/asset_contract.h"
 #include "tools/bake/checkpoint.h"
+#include "tools/bake/facts.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/assumptions.h"
@@ -88,8 +89,8 @@ BakePlan make_plan(const Fitted& fitted, double seconds) {
 void run(const BakeSpheresOptions& options, const Command& command, const CommonOptions& common) {
   const AssetContract& contract = options.contract;
   check_output(options.output, ".json", contract, common);
-  if (!is_scene_name(options.mesh)) throw Error(options.mesh, "is no .gltf or .glb file", "convert the mesh");
-  LoadedScene loaded = load_scene(options.mesh, options.load.load);
+  MeshInput mesh = load_mesh_input(options.mesh, options.load);
+  LoadedScene& loaded = mesh.loaded;
   print_warnings(common, loaded.warnings);
 
   SphereFitParams params;
@@ -118,25 +119,8 @@ void run(const BakeSpheresOptions& options, const Command& command, const Common
   }
 
   const SphereFitErrors& e = fit.errors;
-  Metadata& m = fit.set.metadata;
-  m["version"] = std::string(IVORY_VERSION);
-  m["method"] = std::string("least symmetric difference, variational");
-  m["mesh"] = std::filesystem::path(options.mesh).filename().string();
-  m["mesh_hash"] = loaded.scene.content_hash;
-  describe(options.load, m);
-  keep_assumptions(m, loaded.warnings);
-  m["count"] = std::int64_t(fit.set.spheres.size());
-  if (!contract.target) m["asked_for"] = std::int64_t(options.count);
-  m["solid"] = std::string(fit.solid ? "yes" : "no");
-  m["resolution"] = std::int64_t(fit.resolution);
-  m["surface_weight"] = fit.surface_weight;
-  m["bounding_radius_m"] = e.bounding_radius_m;
-  m["mesh_volume_m3"] = e.mesh_volume_m3;
-  m["volume_outside"] = e.volume_outside;
-  m["volume_uncovered"] = e.volume_uncovered;
-  m["surface_uncovered"] = e.surface_uncovered;
-  m["surface_mean"] = e.surface_mean;
-  m["surface_farthest"] = e.surface_farthest;
+  Metadata& m = fit.set.metadata =
+      sphere_facts(mesh, fit, contract.target ? std::nullopt : std::optional(options.count));
   std::optional<Certificate> certificate;
   if (contract.measures()) {
     certificate = make_certificate(

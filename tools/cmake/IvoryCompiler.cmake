@@ -44,6 +44,15 @@ if(ivory_arch)
   target_compile_options(ivory_options INTERFACE -march=${ivory_arch})
 endif()
 
+# ivory_position_independent(<target>): the Python module, a shared library, holds it too. Calls within it stay what they
+# are in a program: nothing is to be put in their functions' place.
+function(ivory_position_independent target)
+  if(IVORY_BUILD_PYTHON)
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+    target_compile_options(${target} PRIVATE -fno-semantic-interposition)
+  endif()
+endfunction()
+
 # Header-only libraries cost most of the time of compiling; each target reads those it uses once.
 set(ivory_std_headers <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <memory> <optional> <span> <string>
   <string_view> <utility> <vector> <ImathBox.h> <ImathColor.h> <ImathMatrix.h> <ImathVec.h>)

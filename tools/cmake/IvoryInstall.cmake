@@ -4,7 +4,13 @@ include(CMakePackageConfigHelpers)
 
 set(module_folder ${CMAKE_INSTALL_LIBDIR}/ivory)
 if(IVORY_BUILD_TOOLS)
-  set_target_properties(ivory PROPERTIES INSTALL_RPATH "$ORIGIN/../${module_folder}")
+  # Relative to itself, so that the whole may be moved. Below /usr nothing moves, and a program's $ORIGIN asks for /proc,
+  # which a chroot may lack.
+  set(module_path "$ORIGIN/../${module_folder}")
+  if(CMAKE_INSTALL_PREFIX STREQUAL "/usr")
+    set(module_path ${CMAKE_INSTALL_FULL_LIBDIR}/ivory)
+  endif()
+  set_target_properties(ivory PROPERTIES INSTALL_RPATH ${module_path})
   install(TARGETS ivory COMPONENT tools)
   install(TARGETS ivory_images LIBRARY DESTINATION ${module_folder} COMPONENT tools)
   install(FILES tools/cli/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
@@ -17,6 +23,14 @@ if(IVORY_BUILD_TOOLS)
       \"$<TARGET_FILE:ivory>\" \"${man_folder}\" COMMAND_ERROR_IS_FATAL ANY)" COMPONENT tools)
     install(DIRECTORY ${man_folder}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tools)
   endif()
+  # What desktops show: the viewer's entry, its description, and the type of .vdb files.
+  install(FILES tools/view/desktop/ivory-view.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications COMPONENT tools)
+  install(FILES tools/view/desktop/ivory.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps
+    COMPONENT tools)
+  install(FILES tools/view/desktop/ivory-mime.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/mime/packages RENAME ivory.xml
+    COMPONENT tools)
+  install(FILES tools/view/desktop/io.ivory.view.metainfo.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/metainfo
+    COMPONENT tools)
   # What ivory chart runs and measures.
   install(DIRECTORY tools/chart DESTINATION ${CMAKE_INSTALL_DATADIR}/ivory/tools COMPONENT tools
     PATTERN "__pycache__" EXCLUDE PATTERN "*.cpp" EXCLUDE)
