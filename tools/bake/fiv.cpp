@@ -135,8 +135,8 @@ void run_bake_fiv(const BakeFivOptions& options, const Command& command, const C
   check_size(options, params);
   check_output(options.output, ".exr", options.contract, common);
   if (!is_scene_name(options.mesh)) throw Error(options.mesh, "is no .gltf or .glb file", "convert the mesh");
-  LoadedScene loaded = load_scene(options.mesh, options.load.load);
-  EnvironmentInput environment = load_environment_input(options.environment);
+  LoadedScene loaded = load_scene(options.mesh, options.load.load, common);
+  EnvironmentInput environment = load_environment_input(options.environment, common);
   loaded.warnings.insert(loaded.warnings.end(), environment.warnings.begin(), environment.warnings.end());
   print_warnings(common, loaded.warnings);
   const FivOccluder occluder = make_fiv_occluder(loaded.scene);

@@ -156,7 +156,7 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   if (!options.contract.report.empty() && !options.contract.dry_run)
     check_output(options.contract.report, ".html", common);
 
-  const auto input = load_scene_input(options.scene, options.load, options.environment, common, [&](Scene& scene) {
+  const auto input = load_scene_input(options.scene, options.load, options.environment, common, [&](const Scene& scene) {
     if (options.bounds) params.bounds = local_box(*options.bounds, scene.anchor_m);
     if (!options.dynamic.empty()) params.dynamic_regions.emplace();
     for (const Imath::Box3d& region : regions) params.dynamic_regions->push_back(local_box(region, scene.anchor_m));

@@ -88,7 +88,7 @@ void run(const BakeSpheresOptions& options, const Command& command, const Common
   const AssetContract& contract = options.contract;
   check_output(options.output, ".json", contract, common);
   if (!is_scene_name(options.mesh)) throw Error(options.mesh, "is no .gltf or .glb file", "convert the mesh");
-  LoadedScene loaded = load_scene(options.mesh, options.load.load);
+  LoadedScene loaded = load_scene(options.mesh, options.load.load, common);
   print_warnings(common, loaded.warnings);
 
   SphereFitParams params;
