@@ -26,7 +26,8 @@ std::vector<JobEntry> read_named(const JobSection& section, const JobScope& scop
   for (const JobEntry& entry : section.entries) {
     if (std::find(keys.begin(), keys.end(), entry.key) == keys.end())
       throw JobError(entry.place,
-                     fmt::format("'{}' says nothing of a {}{}", entry.key, section.kind, like(entry.key, keys)),
+                     fmt::format("'{}' says nothing of {} {}{}", entry.key, section.kind == "scene" ? "a" : "an",
+                                 section.kind, like(entry.key, keys)),
                      fmt::format("known are {}", fmt::join(keys, ", ")));
     JobEntry meant{entry.key, entry.place, substituted(entry.value, scope)};
     if (entry.key == "file") {

@@ -83,19 +83,29 @@ std::string as_keys(std::string message, const AssetKind& kind) {
   return message;
 }
 
-// Where the message's first option stands, or the asset where it names none.
-JobPlace place_of(const JobAsset& asset, const std::string& message) {
+// The message's first option; nullptr where it names none.
+const JobOption* option_in(const JobAsset& asset, const std::string& message) {
   std::size_t first = std::string::npos;
-  std::size_t longest = 0;
-  JobPlace place = asset.place;
+  const JobOption* found = nullptr;
   for (const JobOption& option : asset.options) {
     const std::size_t at = message.find(option.by_place ? option.name : "--" + option.name);
-    if (at == std::string::npos || at > first || (at == first && option.name.size() < longest)) continue;
+    // Of two at one place the longer name is meant.
+    if (at == std::string::npos || at > first || (at == first && option.name.size() < found->name.size())) continue;
     first = at;
-    longest = option.name.size();
-    place = option.place;
+    found = &option;
   }
-  return place;
+  return found;
+}
+
+// What the command says of a name of a file to write is no usage error, but no input is needed to find it.
+const JobOption* output_in(const JobAsset& asset, const std::string& message) {
+  for (const JobOption& option : asset.options) {
+    if (option.name != asset.kind->outputs.front()) continue;
+    for (const std::string& file : option.values) {
+      if (message.starts_with(file + ": ")) return &option;
+    }
+  }
+  return nullptr;
 }
 
 // Nothing is printed while options are checked.
@@ -129,7 +139,9 @@ std::vector<JobOption> make_option(const AssetKind& kind, const JobEntry& entry)
   const OptionFacts* facts = find_option(kind, option_of_key(entry.key));
   if (facts == nullptr || facts->name == "dry-run") {
     std::vector<std::string> keys;
-    for (const OptionFacts& option : options_of(kind)) keys.push_back(key_of_option(option.name));
+    for (const OptionFacts& option : options_of(kind)) {
+      if (option.name != "dry-run") keys.push_back(key_of_option(option.name));
+    }
     throw JobError(entry.place, fmt::format("'{}' is no option of {}{}", entry.key, kind.name, like(entry.key, keys)),
                    fmt::format("options are those of 'ivory {} --help'", command_name(kind)));
   }
@@ -162,15 +174,20 @@ void check_options(const JobAsset& asset) {
   }
   SilentHost host(kind.check ? CommandStage::check : CommandStage::parse);
   const ProgramEnd end = run_hosted(arguments_of(asset), host);
-  if (end.exit_code != 2) return;  // what only its files will tell is for the run to say
+  const JobOption* option = end.exit_code == 2 ? option_in(asset, end.message) : output_in(asset, end.message);
+  // What only its files will tell is for the run to say.
+  if (end.exit_code == 0 || (end.exit_code != 2 && option == nullptr)) return;
   std::string message = end.message;
   const std::string help = "; --help explains";
   if (message.ends_with(help)) message.resize(message.size() - help.size());
-  const JobPlace place = place_of(asset, message);
   message = as_keys(message, kind);
+  const JobPlace place = option != nullptr ? option->place : asset.place;
   const std::size_t stop = message.find("; ");
   if (stop != std::string::npos) throw JobError(place, message.substr(0, stop), message.substr(stop + 2));
-  throw JobError(place, message, fmt::format("'ivory {} --help' says what it takes", command_name(kind)));
+  std::string expected = fmt::format("'ivory {} --help' explains it", command_name(kind));
+  if (option != nullptr)
+    expected = fmt::format("'{}' is {}", key_of_option(option->name), meaning(*find_option(kind, option->name)));
+  throw JobError(place, message, expected);
 }
 
 }  // namespace ivory

@@ -106,7 +106,7 @@ class Resolver {
     const int by = made == by_output_.end() ? -1 : made->second;
     add(asset, {kind, input.option, path, load, by, place});
     std::error_code error;
-    if (by < 0 && check_files_ && !fs::exists(path, error)) {
+    if (by < 0 && check_files_ && !fs::is_regular_file(path, error)) {
       throw JobError(place,
                      fmt::format("'{}' is neither a file nor a name in this job{}", text, like(text, names_for(input))),
                      fmt::format("'{}' takes {}", key_of_option(input.option), what_for(input)));

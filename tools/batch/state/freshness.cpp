@@ -55,25 +55,31 @@ const std::string* find_value(const AssetInputs& inputs, const std::string& name
   return nullptr;
 }
 
-// "material 'wall' changed, object 'Chair' added", of two lists of parts that differ.
+// "material 'wall' changed, object 'Chair' is new", of two lists of parts that differ.
 std::string difference(const std::vector<ContentPart>& before, const std::vector<ContentPart>& now) {
+  using Key = std::pair<ContentKind, std::string>;
   const auto index = [](const std::vector<ContentPart>& parts) {
-    std::map<std::string, std::uint64_t> hashes;
-    for (const ContentPart& part : parts) hashes[std::string(name_of(part.kind)) + "\n" + part.name] = part.hash;
+    std::map<Key, std::uint64_t> hashes;
+    for (const ContentPart& part : parts) hashes[{part.kind, part.name}] = part.hash;
     return hashes;
   };
   const auto was = index(before);
   const auto is = index(now);
-  std::vector<std::string> changes;
-  const auto bare = [](const std::string& key) { return key.substr(key.find('\n') + 1); };
+  std::vector<std::string> causes;
+  std::vector<std::string> objects;  // that are made of them
+  const auto add = [&](const Key& key, const char* what) {
+    const bool of_object = key.second.starts_with("material of object") || key.second.starts_with("lamp");
+    (of_object ? objects : causes).push_back(key.second + what);
+  };
   for (const auto& [key, hash] : is) {
     const auto found = was.find(key);
-    if (found == was.end()) changes.push_back(bare(key) + " is new");
-    if (found != was.end() && found->second != hash) changes.push_back(bare(key) + " changed");
+    if (found == was.end()) add(key, " is new");
+    if (found != was.end() && found->second != hash) add(key, " changed");
   }
   for (const auto& [key, hash] : was) {
-    if (!is.contains(key)) changes.push_back(bare(key) + " is gone");
+    if (!is.contains(key)) add(key, " is gone");
   }
+  const std::vector<std::string>& changes = causes.empty() ? objects : causes;
   if (changes.empty()) return "the order of its parts changed";
   constexpr std::size_t most = 12;
   if (changes.size() <= most) return fmt::format("{}", fmt::join(changes, ", "));
