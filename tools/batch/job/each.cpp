@@ -67,8 +67,8 @@ std::vector<EachItem> each_node(const JobTable& table, const JobPlace& place,
   const JobEntry* pattern = find_entry(table, "nodes");
   if (scene == nullptr || pattern == nullptr)
     throw JobError(place, fmt::format("'each' lacks '{}'", scene == nullptr ? "scene" : "nodes"), "write " + expected);
-  const std::string& name = text_of(*scene, expected);
-  const std::string& wanted = text_of(*pattern, expected);
+  const std::string name = text_of(*scene, expected);
+  const std::string wanted = text_of(*pattern, expected);
   const auto known = scenes.find(name);
   if (known == scenes.end()) {
     std::vector<std::string> names;

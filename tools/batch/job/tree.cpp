@@ -67,7 +67,7 @@ class Reader {
     const JobArray* list = entry.value.array();
     if (list == nullptr) list = &one;
     for (const JobValue& value : *list) {
-      const std::string& file = text_of(JobEntry{"include", entry.place, value}, expected);
+      const std::string file = text_of(JobEntry{"include", entry.place, value}, expected);
       read((fs::path(from).parent_path() / file).string(), &value.place);
     }
   }

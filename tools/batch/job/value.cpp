@@ -32,7 +32,7 @@ const JobTable& table_of(const JobEntry& entry, const std::string& expected) {
   throw JobError(entry.value.place, fmt::format("'{}' is {}", entry.key, kind_of(entry.value)), "write " + expected);
 }
 
-const std::string& text_of(const JobEntry& entry, const std::string& expected) {
+std::string text_of(const JobEntry& entry, const std::string& expected) {
   if (const std::string* text = entry.value.text()) return *text;
   throw JobError(entry.value.place, fmt::format("'{}' is {}", entry.key, kind_of(entry.value)), "write " + expected);
 }

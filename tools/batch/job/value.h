@@ -57,7 +57,7 @@ std::string kind_of(const JobValue& value);
 
 // For what is expected to be a table or a text. Throw JobError: "<key> is a number; write <expected>".
 const JobTable& table_of(const JobEntry& entry, const std::string& expected);
-const std::string& text_of(const JobEntry& entry, const std::string& expected);
+std::string text_of(const JobEntry& entry, const std::string& expected);
 
 // A file of TOML. Throws JobError where it is none, and Error where it cannot be read.
 JobTable read_toml(const std::string& path);
