@@ -43,7 +43,7 @@ const std::vector<Mistake>& mistakes() {
       {"folder as a number", "[job]\noutput = 3\n" + grid, "2:10", "output = \"baked\""},
       {"variables as a value", "variables = 3\n" + grid, "1:13", "[variables]"},
       // Includes and variables
-      {"include of nothing", "include = [\"other.toml\"]\n" + grid, "1:12", "no file 'other.toml'"},
+      {"include of nothing", "include = [\"other.toml\"]\n" + grid, "1:12", "other.toml' to include"},
       {"include of a number", "include = 3\n" + grid, "1:11", "include = "},
       {"include of itself", "include = [\"job.toml\"]\n" + grid, "1:12", "includes itself"},
       {"unknown variable", grid + "voxel_size = \"${vx}\"\n", "3:14", "no variable 'vx'"},
@@ -154,7 +154,7 @@ TEST_F(Mistakes, EndInOneLineThatSaysWhere) {
   for (const auto& entry : std::filesystem::directory_iterator(folder_))
     names.push_back(entry.path().filename().string());
   std::sort(names.begin(), names.end());
-  EXPECT_EQ(names, (std::vector<std::string>{"cornell_box.gltf", "job.toml", "tile.gltf", "sky.hdr"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"cornell_box.gltf", "job.toml", "sky.hdr", "tile.gltf"}));
 }
 
 // In an included file, by that file's name and lines.
