@@ -54,9 +54,27 @@ class JobLock {
   int file_;
 };
 
+// Moves the process to a folder, and back in the end.
+class InFolder {
+ public:
+  explicit InFolder(const fs::path& folder) : before_(fs::current_path()) {
+    if (!folder.empty()) fs::current_path(folder);
+  }
+  ~InFolder() {
+    std::error_code error;
+    fs::current_path(before_, error);
+  }
+  InFolder(const InFolder&) = delete;
+  InFolder& operator=(const InFolder&) = delete;
+
+ private:
+  fs::path before_;
+};
+
 // A job as it was read, with what is known of it. The process moves to the job's folder, which all its paths are
 // relative to: a level that is moved as a whole stays fresh.
 struct Loaded {
+  std::unique_ptr<InFolder> in_folder;
   Job job;
   BatchRecord record;
   std::string record_path;
@@ -68,8 +86,7 @@ Loaded load(const BatchOptions& options) {
   Loaded loaded;
   const std::string origin = fs::current_path().string();
   const JobTree tree = read_job_tree(options.job, options.set, section_kinds());
-  const fs::path folder = fs::path(options.job).parent_path();
-  if (!folder.empty()) fs::current_path(folder);
+  loaded.in_folder = std::make_unique<InFolder>(fs::path(options.job).parent_path());
   // The record lies where the assets go, which the job says.
   const std::string output = output_folder(options.job, origin, tree);
   loaded.record_path = (fs::path(output) / (fs::path(options.job).stem().string() + ".batch.json")).string();

@@ -266,6 +266,44 @@ voxel_size = "${fine}"
   EXPECT_NE(command.find("--bounds=-0.5,-0.5,-0.5:6."), std::string::npos) << command;
 }
 
+// Of files, by names of assets, and by what the scene itself names.
+TEST_F(Batch, FindsWhatAssetsNeed) {
+  nlohmann::json scene = read_scene();
+  scene["nodes"][0]["extras"]["ivory_occluder"] = "tables/box.exr";
+  write_scene(scene);
+  write("job.toml", R"([grid.a]
+scene = "cornell_box.gltf"
+resolution = 4
+output = "grids/a.vdb"
+[mix.b]
+grid = "a"
+[render.c]
+scene = "cornell_box.gltf"
+method = "direct"
+grid = "grids/a.vdb"
+[fiv.d]
+mesh = "tile.gltf"
+env = "sky.hdr"
+output = "tables/box.exr"
+[render.e]
+scene = "cornell_box.gltf"
+env = "sky.hdr"
+method = "fiv"
+ambient = "sky"
+[difmap.sky]
+environment = "sky.hdr"
+[merge.all]
+parts = ["grid.*"]
+)");
+  const auto listed = lines("--list");
+  const auto needs = [&](const char* asset) { return listed.at(asset)["needs"]; };
+  EXPECT_EQ(needs("grid.a"), nlohmann::json::array());
+  EXPECT_EQ(needs("mix.b"), nlohmann::json({"grid.a"}));
+  EXPECT_EQ(needs("render.c"), nlohmann::json({"grid.a"}));
+  EXPECT_EQ(needs("render.e"), nlohmann::json({"fiv.d", "difmap.sky"}));
+  EXPECT_EQ(needs("merge.all"), nlohmann::json({"grid.a"}));
+}
+
 // A batch that is killed goes on, to the same bytes.
 TEST_F(Batch, GoesOnAfterItIsKilled) {
   EXPECT_EQ(states(), all("baked"));

@@ -226,7 +226,7 @@ Job make_job(const std::string& file, const std::string& origin, const JobTree& 
   if (job.assets.empty())
     throw JobError({std::make_shared<const std::string>(file), 1, 1}, "names nothing to bake",
                    "add a section such as [grid.hall] with scene = \"level.glb\"");
-  resolve_inputs(job, builder.names, check_files);
+  resolve_inputs(job, builder.names, nodes, check_files);
   for (JobAsset& asset : job.assets) expand_node_patterns(asset, nodes);
   std::vector<bool> done(job.assets.size(), false);
   for (std::size_t i = 0; i < job.assets.size(); ++i) {

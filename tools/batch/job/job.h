@@ -52,6 +52,7 @@ struct Job {
 struct NodeBox {
   std::string name;
   Imath::Box3d bounds_m;
+  std::string fiv_table;  // file that extras.ivory_occluder names; empty: none
 };
 // The nodes of a scene's file; asked for where a job has patterns over nodes.
 using NodeReader = std::function<std::vector<NodeBox>(const std::string& path, const LoadParams& params)>;

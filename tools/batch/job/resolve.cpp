@@ -31,7 +31,8 @@ std::pair<std::string, std::string> split_place(const std::string& text) {
 
 class Resolver {
  public:
-  Resolver(Job& job, const JobNames& names, bool check_files) : job_(job), names_(names), check_files_(check_files) {
+  Resolver(Job& job, const JobNames& names, const NodeReader& nodes, bool check_files)
+      : job_(job), names_(names), nodes_(nodes), check_files_(check_files) {
     for (std::size_t i = 0; i < job.assets.size(); ++i) {
       for (const std::string& output : job.assets[i].outputs) by_output_[output] = int(i);
     }
@@ -51,6 +52,7 @@ class Resolver {
       }
       option.values = std::move(values);
     }
+    add_tables_of_scene(asset);
     std::sort(asset.needs.begin(), asset.needs.end());
     asset.needs.erase(std::unique(asset.needs.begin(), asset.needs.end()), asset.needs.end());
     if (std::find(asset.needs.begin(), asset.needs.end(), index) != asset.needs.end())
@@ -58,6 +60,25 @@ class Resolver {
   }
 
  private:
+  // Tables of occluders that the scene itself names.
+  void add_tables_of_scene(JobAsset& asset) {
+    const JobOption* method = find_given(asset, "method");
+    if (method == nullptr || method->values.front() != "fiv") return;
+    const std::vector<JobInput> inputs = asset.inputs;
+    for (const JobInput& input : inputs) {
+      if (input.kind != InputKind::scene) continue;
+      for (const NodeBox& node : nodes_(input.path, input.load)) {
+        const std::string path = fs::path(node.fiv_table).lexically_normal().string();
+        const bool known = std::any_of(asset.inputs.begin(), asset.inputs.end(),
+                                       [&](const JobInput& other) { return other.path == path; });
+        if (path.empty() || known) continue;
+        const auto made = by_output_.find(path);
+        add(asset,
+            {InputKind::asset, input.option, path, {}, made == by_output_.end() ? -1 : made->second, input.place});
+      }
+    }
+  }
+
   // Of assets, where an option may have several: "grid.rooms.*".
   std::vector<std::string> with_patterns(const JobAsset& asset, const InputOption& input, const std::string& value,
                                          const JobOption& option) const {
@@ -204,6 +225,7 @@ class Resolver {
 
   Job& job_;
   const JobNames& names_;
+  const NodeReader& nodes_;
   bool check_files_;
   std::map<std::string, int> by_output_;
 };
@@ -279,8 +301,8 @@ void expand_node_patterns(JobAsset& asset, const NodeReader& nodes) {
   }
 }
 
-void resolve_inputs(Job& job, const JobNames& names, bool check_files) {
-  Resolver resolver(job, names, check_files);
+void resolve_inputs(Job& job, const JobNames& names, const NodeReader& nodes, bool check_files) {
+  Resolver resolver(job, names, nodes, check_files);
   for (std::size_t i = 0; i < job.assets.size(); ++i) resolver.resolve(int(i));
 }
 

@@ -33,6 +33,6 @@ void expand_node_patterns(JobAsset& asset, const NodeReader& nodes);
 
 // Puts files in place of names in the options of each asset, and finds what it reads and which assets it needs. Names
 // of nodes are left. `check_files`: files must be there. Throws JobError.
-void resolve_inputs(Job& job, const JobNames& names, bool check_files);
+void resolve_inputs(Job& job, const JobNames& names, const NodeReader& nodes, bool check_files);
 
 }  // namespace ivory

@@ -72,7 +72,7 @@ Json to_json(const BatchRecord& record) {
   for (const auto& [key, facts] : record.scenes) {
     Json nodes = Json::array();
     for (const NodeBox& node : facts.nodes)
-      nodes.push_back({node.name, point_json(node.bounds_m.min), point_json(node.bounds_m.max)});
+      nodes.push_back({node.name, point_json(node.bounds_m.min), point_json(node.bounds_m.max), node.fiv_table});
     scenes[key] = {{"files", pairs_json(facts.files)}, {"parts", lists.add(facts.parts)}, {"nodes", std::move(nodes)}};
   }
   Json assets = Json::object();
@@ -97,7 +97,8 @@ BatchRecord from_json(const Json& json) {
     facts.files = pairs_of(scene.at("files"));
     facts.parts = parts_of(lists.at(scene.at("parts").get<std::size_t>()));
     for (const Json& node : scene.at("nodes"))
-      facts.nodes.push_back({node.at(0).get<std::string>(), {point_of(node.at(1)), point_of(node.at(2))}});
+      facts.nodes.push_back(
+          {node.at(0).get<std::string>(), {point_of(node.at(1)), point_of(node.at(2))}, node.at(3).get<std::string>()});
   }
   for (const auto& [name, stored] : json.at("assets").items()) {
     AssetRecord& asset = record.assets[name];

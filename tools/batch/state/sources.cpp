@@ -22,7 +22,7 @@ std::string key_of(const std::string& path, const LoadParams& params) {
   return key;
 }
 
-// Of all nodes that are named and have triangles below them, in the file's order.
+// Of all nodes that have triangles below them, and a name or a table, in the file's order.
 std::vector<NodeBox> node_boxes(const Scene& scene) {
   std::vector<Imath::Box3d> boxes(scene.nodes.size());
   for (const Instance& instance : scene.instances) {
@@ -34,7 +34,8 @@ std::vector<NodeBox> node_boxes(const Scene& scene) {
   }
   std::vector<NodeBox> nodes;
   for (std::size_t i = 0; i < boxes.size(); ++i) {
-    if (!boxes[i].isEmpty() && !scene.nodes[i].name.empty()) nodes.push_back({scene.nodes[i].name, boxes[i]});
+    if (!boxes[i].isEmpty() && !(scene.nodes[i].name.empty() && scene.nodes[i].fiv_table.empty()))
+      nodes.push_back({scene.nodes[i].name, boxes[i], scene.nodes[i].fiv_table});
   }
   return nodes;
 }
