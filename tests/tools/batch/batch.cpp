@@ -294,6 +294,10 @@ ambient = "sky"
 environment = "sky.hdr"
 [merge.all]
 parts = ["grid.*"]
+[export.all]
+to = "three.js"
+output = "all.ktx2"
+asset = "merge.all"
 )");
   const auto listed = lines("--list");
   const auto needs = [&](const char* asset) { return listed.at(asset)["needs"]; };
@@ -302,6 +306,8 @@ parts = ["grid.*"]
   EXPECT_EQ(needs("render.c"), nlohmann::json({"grid.a"}));
   EXPECT_EQ(needs("render.e"), nlohmann::json({"fiv.d", "difmap.sky"}));
   EXPECT_EQ(needs("merge.all"), nlohmann::json({"grid.a"}));
+  EXPECT_EQ(needs("export.all"), nlohmann::json({"merge.all"}));
+  EXPECT_EQ(listed.at("export.all")["outputs"], nlohmann::json({"all.ktx2", "all.json", "all.js"}));
 }
 
 // A batch that is killed goes on, to the same bytes.

@@ -101,6 +101,9 @@ const std::vector<Mistake>& mistakes() {
       {"no such target",
        "[sh9.a]\nenvironment = \"sky.hdr\"\n[export.a]\nasset = \"a\"\nto = \"three\"\noutput = \"x.json\"\n", "5:6",
        "three.js,babylon.js"},
+      {"a target of other files",
+       "[sh9.a]\nenvironment = \"sky.hdr\"\n[export.a]\nasset = \"a\"\nto = \"usd\"\noutput = \"x.json\"\n", "5:6",
+       "ivory export --help"},
       // Files and assets
       {"no such scene", "[grid.a]\nscene = \"cornel_box.gltf\"\n", "2:9", "neither a file nor a name"},
       {"a scene's name, nearly", box + "[grid.a]\nscene = \"bx\"\n", "4:9", "did you mean 'box'"},

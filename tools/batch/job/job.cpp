@@ -65,7 +65,19 @@ class Builder {
     for (const JobSection& section : tree_.sections) {
       if (const AssetKind* kind = find_kind(section.kind)) add_section(*kind, section);
     }
-    check_outputs();
+  }
+
+  void check_outputs() const {
+    std::map<std::string, const JobAsset*> makers;
+    for (const JobAsset& asset : job_.assets) {
+      for (const std::string& output : asset.outputs) {
+        const auto [known, fresh] = makers.emplace(output, &asset);
+        if (!fresh)
+          throw JobError(asset.place,
+                         fmt::format("[{}] writes '{}', as [{}] does", asset.name, output, known->second->name),
+                         "give each an output of its own");
+      }
+    }
   }
 
  private:
@@ -158,19 +170,6 @@ class Builder {
     }
   }
 
-  void check_outputs() const {
-    std::map<std::string, const JobAsset*> makers;
-    for (const JobAsset& asset : job_.assets) {
-      for (const std::string& output : asset.outputs) {
-        const auto [known, fresh] = makers.emplace(output, &asset);
-        if (!fresh)
-          throw JobError(asset.place,
-                         fmt::format("[{}] writes '{}', as [{}] does", asset.name, output, known->second->name),
-                         "give each an output of its own");
-      }
-    }
-  }
-
   Job& job_;
   const JobTree& tree_;
   const NodeReader& nodes_;
@@ -227,6 +226,7 @@ Job make_job(const std::string& file, const std::string& origin, const JobTree& 
     throw JobError({std::make_shared<const std::string>(file), 1, 1}, "names nothing to bake",
                    "add a section such as [grid.hall] with scene = \"level.glb\"");
   resolve_inputs(job, builder.names, nodes, check_files);
+  builder.check_outputs();
   for (JobAsset& asset : job.assets) expand_node_patterns(asset, nodes);
   std::vector<bool> done(job.assets.size(), false);
   for (std::size_t i = 0; i < job.assets.size(); ++i) {

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <sstream>
 
 #include <fmt/format.h>
 
+#include "grid/export/target.h"
+#include "grid/io/file.h"
 #include "tools/batch/job/options.h"
 #include "tools/cli/numbers.h"
 #include "tools/input/scene.h"
@@ -53,6 +56,7 @@ class Resolver {
       option.values = std::move(values);
     }
     add_tables_of_scene(asset);
+    if (asset.kind->name == "export") add_files_beside(asset);
     std::sort(asset.needs.begin(), asset.needs.end());
     asset.needs.erase(std::unique(asset.needs.begin(), asset.needs.end()), asset.needs.end());
     if (std::find(asset.needs.begin(), asset.needs.end(), index) != asset.needs.end())
@@ -60,6 +64,28 @@ class Resolver {
   }
 
  private:
+  // What an export writes besides its output; a target that takes no such thing is a mistake.
+  static void add_files_beside(JobAsset& asset) {
+    const JobOption* target = find_given(asset, "to");
+    const auto source = std::find_if(asset.inputs.begin(), asset.inputs.end(),
+                                     [](const JobInput& input) { return input.option == "asset"; });
+    if (target == nullptr || source == asset.inputs.end()) return;  // which check_options() says
+    const auto known = find_by_name<ExportTarget>(target->values.front());
+    if (!known) return;  // the same
+    const bool of_grid = lower_extension(source->path) == ".vdb";
+    const fs::path output = asset.outputs.front();
+    try {
+      const ExportFormat& format =
+          export_format(*known, of_grid ? ExportAsset::grid : ExportAsset::distant, lower_extension(output.string()));
+      std::istringstream extensions{std::string(format.beside)};
+      for (std::string extension; extensions >> extension;)
+        asset.outputs.push_back(fs::path(output).replace_extension(extension).string());
+    } catch (const ParameterError& error) {
+      throw JobError(target->place, error.parameter() + ": " + error.cause(),
+                     "'ivory export --help' lists what there is");
+    }
+  }
+
   // Tables of occluders that the scene itself names.
   void add_tables_of_scene(JobAsset& asset) {
     const JobOption* method = find_given(asset, "method");
