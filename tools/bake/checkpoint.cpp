@@ -71,26 +71,29 @@ KeptCheckpoint::~KeptCheckpoint() = default;
 
 std::optional<CheckpointPolicy> KeptCheckpoint::policy(Progress& progress) {
   if (policy_.path.empty()) return std::nullopt;
-  signals_ = std::make_unique<Signals>();
-  std::error_code unreadable;
-  signals_->interrupt.set_last_words(
-      fs::exists(policy_.path, unreadable)
-          ? "ivory: stopped; the same command goes on from " + policy_.path
-          : "ivory: stopped before there was anything to keep; the same command starts anew");
-  policy_.stop = [this] { return signals_->interrupt.asked(); };
+  // In a host's process signals are the host's; what was kept before stands.
+  if (common_.host == nullptr) {
+    signals_ = std::make_unique<Signals>();
+    std::error_code unreadable;
+    signals_->interrupt.set_last_words(
+        fs::exists(policy_.path, unreadable)
+            ? "ivory: stopped; the same command goes on from " + policy_.path
+            : "ivory: stopped before there was anything to keep; the same command starts anew");
+    policy_.stop = [this] { return signals_->interrupt.asked(); };
+  }
   policy_.on_event = [this, &progress](const CheckpointEvent& event) { note(event, progress); };
   return policy_;
 }
 
 void KeptCheckpoint::note(const CheckpointEvent& event, Progress& progress) {
-  signals_->interrupt.be_patient(event.kind == CheckpointEvent::Kind::writing);
+  if (signals_) signals_->interrupt.be_patient(event.kind == CheckpointEvent::Kind::writing);
   switch (event.kind) {
     case CheckpointEvent::Kind::writing:
       return;
     case CheckpointEvent::Kind::written:
       ++written_;
       seconds_ += event.seconds;
-      signals_->interrupt.set_last_words("ivory: stopped; the same command goes on from " + policy_.path);
+      if (signals_) signals_->interrupt.set_last_words("ivory: stopped; the same command goes on from " + policy_.path);
       return;
     case CheckpointEvent::Kind::resumed:
       resumed_ = event.done;

@@ -69,7 +69,7 @@ void run_bake_difmap(const BakeDifmapOptions& options, const Command& command, c
   check_output(options.output, ".exr", contract, common);
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
-  EnvironmentInput input = load_environment_input(options.environment);
+  EnvironmentInput input = load_environment_input(options.environment, common);
   const auto loaded = Clock::now();
   print_warnings(common, input.warnings);
   const IrradianceTree tree = make_irradiance_tree(input.image);

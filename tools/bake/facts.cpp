@@ -100,9 +100,9 @@ DifMap make_difmap(IrradianceMap baked, const V3d& total, const Sh9Error& sh9, M
   return map;
 }
 
-MeshInput load_mesh_input(const std::string& path, const SceneOptions& options) {
+MeshInput load_mesh_input(const std::string& path, const SceneOptions& options, const CommonOptions& common) {
   if (!is_scene_name(path)) throw Error(path, "is no .gltf or .glb file", "convert the mesh");
-  return {path, options, load_scene(path, options.load)};
+  return {path, options, load_scene(path, options.load, common)};
 }
 
 double fiv_bake_bytes(const FivParams& params) {

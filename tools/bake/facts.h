@@ -55,7 +55,7 @@ struct MeshInput {
   LoadedScene loaded;
 };
 // Throws Error for names of no scene file, and as load_scene() does.
-MeshInput load_mesh_input(const std::string& path, const SceneOptions& options);
+MeshInput load_mesh_input(const std::string& path, const SceneOptions& options, const CommonOptions& common);
 
 // Memory that a bake takes: the table, what is gathered at its samples, and, for bright lights, at eight times as many.
 double fiv_bake_bytes(const FivParams& params);

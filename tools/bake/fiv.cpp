@@ -122,9 +122,9 @@ void run_bake_fiv(const BakeFivOptions& options, const Command& command, const C
   }
   check_size(options, params);
   check_output(options.output, ".exr", options.contract, common);
-  MeshInput mesh = load_mesh_input(options.mesh, options.load);
+  MeshInput mesh = load_mesh_input(options.mesh, options.load, common);
   LoadedScene& loaded = mesh.loaded;
-  EnvironmentInput environment = load_environment_input(options.environment);
+  EnvironmentInput environment = load_environment_input(options.environment, common);
   loaded.warnings.insert(loaded.warnings.end(), environment.warnings.begin(), environment.warnings.end());
   print_warnings(common, loaded.warnings);
   const FivOccluder occluder = make_fiv_occluder(loaded.scene);

@@ -189,27 +189,28 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
   if (!options.contract.report.empty() && !options.contract.dry_run)
     check_output(options.contract.report, ".html", common);
 
-  const auto input = load_scene_input(options.scene, options.load, options.environment, common, [&](Scene& scene) {
-    if (options.bounds) params.bounds = local_box(*options.bounds, scene.anchor_m);
-    if (!options.dynamic.empty()) params.dynamic_regions.emplace();
-    for (const Imath::Box3d& region : regions) params.dynamic_regions->push_back(local_box(region, scene.anchor_m));
-    // Before what takes time is built of the scene.
-    const Lattice placed = default_lattice(scene, params);
-    check_estimator(placed, params.estimator);
-    check_voxels(options.output, placed.finest_frame());
-    // What a contract chooses has about that spacing, and memory bounds it.
-    if (contract && !params.resolution && !params.voxel_size_m) return;
-    check_grid_memory(scene, placed, params);
-    if (options.shards != 0) {
-      if (params.photons == 0) params.photons = default_photons(placed.vertex_count());
-      params.photon_range = shard_range(params.photons, options.shards, options.shard);
-    }
-    if (contract) {
-      params.frame = placed.frame;
-    } else {
-      params.lattice = placed;
-    }
-  });
+  const auto input =
+      load_scene_input(options.scene, options.load, options.environment, common, [&](const Scene& scene) {
+        if (options.bounds) params.bounds = local_box(*options.bounds, scene.anchor_m);
+        if (!options.dynamic.empty()) params.dynamic_regions.emplace();
+        for (const Imath::Box3d& region : regions) params.dynamic_regions->push_back(local_box(region, scene.anchor_m));
+        // Before what takes time is built of the scene.
+        const Lattice placed = default_lattice(scene, params);
+        check_estimator(placed, params.estimator);
+        check_voxels(options.output, placed.finest_frame());
+        // What a contract chooses has about that spacing, and memory bounds it.
+        if (contract && !params.resolution && !params.voxel_size_m) return;
+        check_grid_memory(scene, placed, params);
+        if (options.shards != 0) {
+          if (params.photons == 0) params.photons = default_photons(placed.vertex_count());
+          params.photon_range = shard_range(params.photons, options.shards, options.shard);
+        }
+        if (contract) {
+          params.frame = placed.frame;
+        } else {
+          params.lattice = placed;
+        }
+      });
   if (!options.groups.empty()) params.groups = make_light_groups(input.lit.lights, *input.lit.scene, rules);
   if (contract) return run_contract(options, params, input, common);
   const Lattice& lattice = *params.lattice;

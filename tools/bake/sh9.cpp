@@ -88,7 +88,7 @@ void run_bake_sh9(const BakeSh9Options& options, const Command& command, const C
   check_output(options.output, ".json", contract, common);
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
-  EnvironmentInput input = load_environment_input(options.environment);
+  EnvironmentInput input = load_environment_input(options.environment, common);
   const auto loaded = Clock::now();
   print_warnings(common, input.warnings);
   const RadianceMoments moments = radiance_moments(input.image);

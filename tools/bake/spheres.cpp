@@ -89,7 +89,7 @@ BakePlan make_plan(const Fitted& fitted, double seconds) {
 void run(const BakeSpheresOptions& options, const Command& command, const CommonOptions& common) {
   const AssetContract& contract = options.contract;
   check_output(options.output, ".json", contract, common);
-  MeshInput mesh = load_mesh_input(options.mesh, options.load);
+  MeshInput mesh = load_mesh_input(options.mesh, options.load, common);
   LoadedScene& loaded = mesh.loaded;
   print_warnings(common, loaded.warnings);
 

@@ -14,6 +14,7 @@ void add_bake_spheres_command(Command bake, CommonOptions& common);
 void add_bake_difmap_command(Command bake, CommonOptions& common);
 void add_bake_sh9_command(Command bake, CommonOptions& common);
 void add_bake_fiv_command(Command bake, CommonOptions& common);
+void add_batch_command(Command app, CommonOptions& common);
 void add_merge_command(Command app, CommonOptions& common);
 void add_mix_command(Command app, CommonOptions& common);
 void add_export_command(Command app, CommonOptions& common);

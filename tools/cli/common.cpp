@@ -11,6 +11,7 @@
 #include "grid/base/error.h"
 #include "grid/base/memory.h"
 #include "grid/io/file.h"
+#include "tools/cli/host.h"
 #include "tools/cli/streams.h"
 
 namespace ivory {
@@ -31,6 +32,7 @@ void set_action(Command command, CommonOptions& common, Output output, std::func
   command.add_flag("--json", common.json, "Print one JSON object on stdout as the result").group(group);
   command.add_flag("-q,--quiet", common.quiet, "Neither progress nor messages, errors excepted").group(group);
   command.callback([&common, action = std::move(action)] {
+    if (common.host != nullptr && common.host->stage == CommandStage::parse) return;
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(thread_count(common)));
     action();
@@ -40,6 +42,7 @@ void set_action(Command command, CommonOptions& common, Output output, std::func
 void check_output(const std::string& path, const CommonOptions& common) {
   if (path == "-")
     throw UsageError("--output: '-' is no file name, and nothing is written to standard output; ./- names such a file");
+  if (common.host != nullptr && common.host->stage == CommandStage::check) return;
   std::error_code unreadable;  // then the probe says why
   if (!common.force && std::filesystem::is_regular_file(path, unreadable))
     throw Error(path, "already exists", "give --force to overwrite it");
@@ -53,6 +56,7 @@ void check_output(const std::string& path, std::string_view extension, const Com
 }
 
 void print_result(const CommonOptions& common, const nlohmann::ordered_json& object, const std::string& human) {
+  if (common.host != nullptr) return common.host->result(object, human);
   std::string text = common.quiet ? "" : human;
   // Names in files need not be UTF-8; a replacement character beats a crash.
   if (common.json) text = object.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
@@ -60,6 +64,7 @@ void print_result(const CommonOptions& common, const nlohmann::ordered_json& obj
 }
 
 void print_note(const CommonOptions& common, const std::string& line) {
+  if (common.host != nullptr) return common.host->note(in_one_line(line));
   if (!common.quiet) print_stderr(in_one_line(line) + "\n");
 }
 
@@ -68,16 +73,20 @@ void print_warnings(const CommonOptions& common, const std::vector<std::string>&
 }
 
 Progress::Progress(const CommonOptions& common, std::string label, std::string unit)
-    : label_(std::move(label)),
+    : host_(common.host),
+      label_(std::move(label)),
       unit_(std::move(unit)),
       quiet_(common.quiet),
-      visible_(!common.quiet && ::isatty(STDERR_FILENO) == 1) {}
+      visible_(host_ == nullptr && !common.quiet && ::isatty(STDERR_FILENO) == 1) {
+  begin_work(common);
+}
 
 Progress::~Progress() {
   if (drawn_) print_stderr("\r\033[K");
 }
 
 void Progress::update(std::uint64_t done, std::uint64_t total) {
+  if (host_ != nullptr) return host_->progress(label_, unit_, done, total);
   if (!visible_) return;
   const std::scoped_lock lock(mutex_);
   const Clock::time_point now = Clock::now();
@@ -100,10 +109,11 @@ void Progress::update(std::uint64_t done, std::uint64_t total) {
 }
 
 void Progress::note(const std::string& line) {
-  if (visible_) say(line);
+  if (visible_ || host_ != nullptr) say(line);
 }
 
 void Progress::say(const std::string& line) {
+  if (host_ != nullptr) return host_->note(in_one_line(line));
   if (quiet_) return;
   const std::scoped_lock lock(mutex_);
   print_stderr((drawn_ ? "\r\033[K" : "") + in_one_line(line) + "\n");

@@ -18,11 +18,15 @@
 
 namespace ivory {
 
+class CommandHost;
+
 struct CommonOptions {
   int threads = 0;     // 0: one a core
   bool json = false;   // one result object on stdout instead of lines for people
   bool quiet = false;  // neither progress nor lines for people
   bool force = false;  // overwrite existing outputs
+  // Another command that runs this one, and takes what it prints (tools/cli/host.h); null for the command line.
+  CommandHost* host = nullptr;
 };
 
 enum class Output { none, file };
@@ -69,6 +73,7 @@ class Progress {
 
  private:
   using Clock = std::chrono::steady_clock;
+  CommandHost* host_;
   std::string label_;
   std::string unit_;
   bool quiet_;

@@ -5,7 +5,9 @@
 
 #include "grid/base/error.h"
 #include "grid/io/file.h"
+#include "tools/cli/host.h"
 #include "tools/input/assumptions.h"
+#include "tools/input/shared.h"
 
 namespace ivory {
 
@@ -48,6 +50,13 @@ EnvironmentInput load_environment_input(const EnvironmentChoice& choice) {
   input.origin["environment_layout"] = std::string(name_of(input.image.layout));
   keep_assumptions(input.origin, input.warnings);
   return input;
+}
+
+EnvironmentInput load_environment_input(const EnvironmentChoice& choice, const CommonOptions& common) {
+  begin_work(common);
+  if (common.host == nullptr || common.host->inputs == nullptr) return load_environment_input(choice);
+  return *common.host->inputs->environments.get(choice.path + "\n" + choice.layout, choice.path,
+                                                [&] { return load_environment_input(choice); });
 }
 
 }  // namespace ivory

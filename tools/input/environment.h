@@ -13,6 +13,8 @@
 
 namespace ivory {
 
+struct CommonOptions;
+
 struct EnvironmentChoice {
   std::string path;    // empty: none
   std::string layout;  // empty: what the file says
@@ -33,5 +35,7 @@ struct EnvironmentInput {
 
 // Throws Error as load_environment_image() does.
 EnvironmentInput load_environment_input(const EnvironmentChoice& choice);
+// The same for a command, which may share it with others (tools/cli/host.h).
+EnvironmentInput load_environment_input(const EnvironmentChoice& choice, const CommonOptions& common);
 
 }  // namespace ivory

@@ -95,7 +95,7 @@ std::vector<bool> place_objects(Scene& scene, const std::vector<std::string>& ob
       for (std::size_t i = 0; i < found.size(); ++i) is_object[i] = is_object[i] || found[i];
       continue;
     }
-    LoadedScene loaded = load_scene(file->path, object_params(options));
+    LoadedScene loaded = load_scene(file->path, object_params(options), common);
     print_warnings(common, loaded.warnings);
     if (loaded.scene.instances.empty())
       throw Error(file->path, "has no triangles", "give --object a model with a mesh");

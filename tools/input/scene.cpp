@@ -7,7 +7,9 @@
 #include "grid/base/anchor.h"
 #include "grid/base/error.h"
 #include "grid/io/file.h"
+#include "tools/cli/host.h"
 #include "tools/input/assumptions.h"
+#include "tools/input/shared.h"
 #include "tools/input/units_hint.h"
 #include "tracer/lights/sphere.h"
 
@@ -16,6 +18,14 @@ namespace ivory {
 namespace {
 
 const std::string scale_key = "scene_scale";  // of assets' metadata; none stands for 1
+
+// By which commands of one host share it.
+std::string key_of(const std::string& path, const LoadParams& params) {
+  std::string key = fmt::format("{}\n{}\n{}", path, params.scale, params.animation);
+  if (params.time_s) key += fmt::format("\n{}", *params.time_s);
+  for (const std::string& node : params.without) key += "\nwithout " + node;
+  return key;
+}
 
 }  // namespace
 
@@ -117,15 +127,23 @@ void describe(const SceneOptions& options, Metadata& metadata) {
   if (!options.load.without.empty()) metadata["without"] = fmt::format("{}", fmt::join(options.load.without, ", "));
 }
 
-SceneInput load_scene_input(const std::string& path, const SceneOptions& options, const EnvironmentChoice& environment,
-                            const CommonOptions& common, const std::function<void(Scene&)>& extend) {
-  LoadedScene loaded = load_scene(path, options.load);
+LoadedScene load_scene(const std::string& path, const LoadParams& params, const CommonOptions& common) {
+  begin_work(common);
+  if (common.host == nullptr || common.host->inputs == nullptr) return load_scene(path, params);
+  return *common.host->inputs->scenes.get(key_of(path, params), path, [&] { return load_scene(path, params); });
+}
+
+namespace {
+
+SceneInput make_scene_input(LoadedScene loaded, const std::string& path, const SceneOptions& options,
+                            const EnvironmentChoice& environment, const CommonOptions& common,
+                            const std::function<void(Scene&)>& extend) {
   Metadata origin;
   origin["scene"] = std::filesystem::path(path).filename().string();
   origin["scene_hash"] = loaded.scene.content_hash;
   describe(options, origin);
   if (!environment.path.empty()) {
-    EnvironmentInput map = load_environment_input(environment);
+    EnvironmentInput map = load_environment_input(environment, common);
     loaded.scene.environment = to_latlong(std::move(map.image));
     origin.merge(map.origin);
     loaded.warnings.insert(loaded.warnings.end(), map.warnings.begin(), map.warnings.end());
@@ -133,7 +151,35 @@ SceneInput load_scene_input(const std::string& path, const SceneOptions& options
   if (extend) extend(loaded.scene);
   print_warnings(common, loaded.warnings);
   keep_assumptions(origin, loaded.warnings);
-  return {make_lit_scene(std::move(loaded.scene), options.intersector), std::move(loaded.warnings), std::move(origin)};
+  SceneInput input(make_lit_scene(std::move(loaded.scene), options.intersector));
+  input.warnings = std::move(loaded.warnings);
+  input.origin = std::move(origin);
+  return input;
+}
+
+}  // namespace
+
+SceneInput load_own_scene_input(const std::string& path, const SceneOptions& options,
+                                const EnvironmentChoice& environment, const CommonOptions& common,
+                                const std::function<void(Scene&)>& extend) {
+  return make_scene_input(load_scene(path, options.load, common), path, options, environment, common, extend);
+}
+
+SceneInput load_scene_input(const std::string& path, const SceneOptions& options, const EnvironmentChoice& environment,
+                            const CommonOptions& common, const std::function<void(const Scene&)>& inspect) {
+  begin_work(common);
+  if (common.host == nullptr || common.host->inputs == nullptr)
+    return make_scene_input(load_scene(path, options.load), path, options, environment, common, inspect);
+  bool made_here = false;
+  const std::string key = key_of(path, options.load) + (options.intersector.portable ? "\nportable\n" : "\n") +
+                          environment.path + "\n" + environment.layout;
+  SceneInput input = *common.host->inputs->lit.get(key, path, [&] {
+    made_here = true;  // and its warnings printed
+    return make_scene_input(load_scene(path, options.load), path, options, environment, common, {});
+  });
+  if (!made_here) print_warnings(common, input.warnings);
+  if (inspect) inspect(*input.lit.scene);
+  return input;
 }
 
 SphereLightOption parse_sphere_light(std::string_view option, std::string_view text) {

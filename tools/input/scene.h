@@ -3,8 +3,10 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "grid/base/metadata.h"
@@ -33,13 +35,18 @@ LoadParams object_params(const SceneOptions& options);
 
 // load_gltf(), and one more warning where the file looks like another unit than metres and --scale does not say so.
 LoadedScene load_scene(const std::string& path, const LoadParams& params);
+// The same for a command, which may share it with others (tools/cli/host.h).
+LoadedScene load_scene(const std::string& path, const LoadParams& params, const CommonOptions& common);
 
 // What of the options an asset's metadata keeps: scene_scale, where it is not 1; time_s, animation and without, where
 // they are given.
 void describe(const SceneOptions& options, Metadata& metadata);
 
 struct SceneInput {
-  LitScene lit;
+  explicit SceneInput(LitScene made) : kept(std::make_shared<const LitScene>(std::move(made))), lit(*kept) {}
+
+  std::shared_ptr<const LitScene> kept;  // maybe by others too
+  const LitScene& lit;                   // never without one
   std::vector<std::string> warnings;
   // scene, scene_hash, scene_scale (where it is not 1), environment, environment_hash ...: names without folders,
   // hashes of contents
@@ -58,10 +65,14 @@ void check_environment(const std::string& path, const Metadata& metadata, const 
 void check_scale(const std::string& path, const Metadata& metadata, const Metadata& scene);
 
 // Loads `path` and, unless its path is empty, the environment map, resampled to lat-long where it has another
-// layout; prints the warnings of both as notes. `extend`, unless empty, may add to the scene before the rest is
-// built from it. Throws Error as load_gltf() and load_environment() do.
+// layout; prints the warnings of both as notes. `inspect`, unless empty, sees the scene before what takes time is built
+// from it. Commands of one host share what is built. Throws Error as load_gltf() and load_environment() do.
 SceneInput load_scene_input(const std::string& path, const SceneOptions& options, const EnvironmentChoice& environment,
-                            const CommonOptions& common, const std::function<void(Scene&)>& extend = {});
+                            const CommonOptions& common, const std::function<void(const Scene&)>& inspect = {});
+// The same of a scene that `extend` may add to; shared with nobody.
+SceneInput load_own_scene_input(const std::string& path, const SceneOptions& options,
+                                const EnvironmentChoice& environment, const CommonOptions& common,
+                                const std::function<void(Scene&)>& extend);
 
 // A spherical light as a user gives it: its place in the world.
 struct SphereLightOption {

@@ -53,7 +53,7 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
   ProbeEstimates out;
   std::optional<SceneInput> scene;
   if (!options.scene.empty()) {
-    scene = load_scene_input(options.scene, request.load, {}, common);
+    scene.emplace(load_scene_input(options.scene, request.load, {}, common));
     check_scale(request.source, grid.metadata, scene->origin);
     const auto baked = find_text(grid.metadata, "scene_hash");
     if (baked && *baked != scene->lit.scene->content_hash)

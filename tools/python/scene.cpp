@@ -56,7 +56,7 @@ MeshInput load_mesh_asset(const Path& path, double scale, std::optional<double> 
   MeshInput mesh = [&] {
     const SceneOptions options = scene_options(scale, time, animation, without, portable);
     const py::gil_scoped_release free;
-    return load_mesh_input(path.string(), options);
+    return load_mesh_input(path.string(), options, CommonOptions());
   }();
   warn(mesh.loaded.warnings);
   return mesh;

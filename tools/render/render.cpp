@@ -143,12 +143,16 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
       throw UsageError("--output: " + output + " is given twice");
   }
   std::vector<bool> is_object;
-  const auto input = load_scene_input(options.scene, options.load, options.environment, common, [&](Scene& scene) {
-    is_object = place_objects(scene, options.objects, options.load, common);
-    for (const SphereLightOption& light : options.sphere_lights) add_sphere_light(scene, light, "--sphere-light");
-    if (method.extend) method.extend(scene);
-    is_object.resize(scene.instances.size(), false);
-  });
+  const bool extended = !options.objects.empty() || !options.sphere_lights.empty() || method.extend;
+  const auto input =
+      !extended ? load_scene_input(options.scene, options.load, options.environment, common)
+                : load_own_scene_input(options.scene, options.load, options.environment, common, [&](Scene& scene) {
+                    is_object = place_objects(scene, options.objects, options.load, common);
+                    for (const SphereLightOption& light : options.sphere_lights)
+                      add_sphere_light(scene, light, "--sphere-light");
+                    if (method.extend) method.extend(scene);
+                  });
+  is_object.resize(input.lit.scene->instances.size(), false);
 
   const auto start = std::chrono::steady_clock::now();
   const Rendered rendered = render(options, method, input, is_object, common);

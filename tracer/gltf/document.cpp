@@ -204,6 +204,7 @@ void read_json(Document& document) {
   const std::string cause = read_file(document.path, file);
   if (!cause.empty()) document.fail(cause, "check the name");
   add_to_hash(document, file);
+  document.files.push_back(document.path);
   if (file.empty()) document.fail("is empty", "export it again");
 
   document.storage.push_back(std::move(file));
@@ -270,6 +271,7 @@ std::vector<std::uint8_t> read_uri(Document& document, const std::string& uri, c
   if (!found->mended.empty())
     document.warn(fmt::format("{} is called '{}', which is no file; {} is read, {}", what, uri, file, found->mended));
   add_to_hash(document, bytes);
+  document.files.push_back(file);
   return bytes;
 }
 

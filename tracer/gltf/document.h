@@ -35,6 +35,7 @@ struct Document {
   std::vector<std::span<const std::uint8_t>> views;    // [bufferView], EXT_meshopt_compression undone
   std::uint64_t bytes_read = 0;                        // of all files: what the claims in them must be in proportion to
   std::uint64_t hash = 0;                              // of all bytes read so far
+  std::vector<std::string> files;                      // that they came from
 
   std::vector<std::string> warnings;
   std::set<std::string> said;  // the same lines, to say each once

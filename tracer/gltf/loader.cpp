@@ -74,6 +74,7 @@ LoadedScene load_gltf(const std::string& path, const LoadParams& params) {
   gltf::load_images(document, material_used, scene);
   scene.content_hash = fmt::format("{:016x}", document.hash);
   read_distances(document, loaded);
+  loaded.files = std::move(document.files);
   loaded.warnings = std::move(document.warnings);
   return loaded;
 }

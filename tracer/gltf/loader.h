@@ -22,6 +22,7 @@ struct LoadParams {
 struct LoadedScene {
   Scene scene;
   std::vector<std::string> warnings;  // one line each: what was ignored or mended, and where
+  std::vector<std::string> files;     // that were read: the glTF file first, then buffers and images, by name
   // Of all cameras and punctual lights of the file that state them, in its units: nothing else reads them.
   std::vector<double> camera_near;
   std::vector<double> light_ranges;
