@@ -14,7 +14,7 @@
 #include "tools/python/assets.h"
 #include "tools/python/work.h"
 #include "tracer/bake/field/baker.h"
-#include "tracer/bake/field/deposit_target.h"
+#include "tracer/bake/field/deposit/target.h"
 
 namespace ivory::python {
 
