@@ -15,6 +15,7 @@
 #include "tools/bake/grid_contract.h"
 #include "tools/bake/grid_report.h"
 #include "tools/bake/grid_result.h"
+#include "tools/bake/shards.h"
 #include "tools/cli/box.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
@@ -38,8 +39,7 @@ struct BakeGridOptions {
   GridBakeParams params;
   GridContractOptions contract;
   CheckpointOptions checkpoint;
-  int shards = 0;  // of how many the bake is made; 0: it is whole
-  int shard = 0;   // which of them this is
+  ShardOptions shards;
 };
 
 Box3f local_box(const Imath::Box3d& box, const V3d& anchor_m) {
@@ -84,16 +84,6 @@ DirectSources parse_direct(const std::string& text) {
   }
   if (!direct) throw UsageError("--direct-of: names no kind; give some of punctual, area, sky");
   return direct;
-}
-
-// The photons of one of so many parts of about the same size.
-std::pair<std::uint64_t, std::uint64_t> shard_range(std::uint64_t photons, int shards, int shard) {
-  if (std::uint64_t(shards) > photons) throw UsageError(fmt::format("--shards: there are {} photons only", photons));
-  const auto begin = [&](int i) {
-    return photons / std::uint64_t(shards) * std::uint64_t(i) +
-           photons % std::uint64_t(shards) * std::uint64_t(i) / std::uint64_t(shards);
-  };
-  return {begin(shard), begin(shard + 1)};
 }
 
 // The input's first.
@@ -164,11 +154,8 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
     throw UsageError(fmt::format("--photon-range ends at {}, past the {} of --photons", params.photon_range->second,
                                  params.photons));
   }
-  if (options.shards != 0) {
-    if (options.shard >= options.shards)
-      throw UsageError(fmt::format("--shard: those of --shards {} are 0 to {}", options.shards, options.shards - 1));
-    if (options.contract.target || options.contract.dry_run)
-      throw UsageError("--shards: a bake to an error chooses its photons as it goes: give --photons instead");
+  if (options.shards.count != 0) {
+    check_shards(options.shards, options.contract.target || options.contract.dry_run);
     params.photon_range = {{0, 1}};  // some: which, is known with the photons of the whole
   }
   const bool contract = has_contract(options.contract, params);
@@ -201,9 +188,9 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
         // What a contract chooses has about that spacing, and memory bounds it.
         if (contract && !params.resolution && !params.voxel_size_m) return;
         check_grid_memory(scene, placed, params);
-        if (options.shards != 0) {
+        if (options.shards.count != 0) {
           if (params.photons == 0) params.photons = default_photons(placed.vertex_count());
-          params.photon_range = shard_range(params.photons, options.shards, options.shard);
+          params.photon_range = photons_of(options.shards, params.photons);
         }
         if (contract) {
           params.frame = placed.frame;
@@ -307,12 +294,7 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
       [&params](const std::string& text) { params.photon_range = parse_range("--photon-range", text); },
       "Trace photons A to B-1 of --photons only and write their sums, a part\nfor 'ivory merge'");
   range.type_name("A:B");
-  Option shards = command.add_count("--shards", options->shards, 1, 1'000'000,
-                                    "The same for one of so many parts of one size, the one that --shard says");
-  shards.excludes(range);
-  Option shard = command.add_count("--shard", options->shard, 0, "Which part, from 0 to N-1 of --shards N");
-  shard.needs(shards);
-  shards.needs(shard);
+  add_shard_options(command, range, options->shards);
   command.add_count("--seed", options->seed, "Seed of the random numbers");
   command.add_count("--bounces", params.max_bounces, 1, 1'000'000,
                     "Surfaces a photon may scatter at; Russian roulette ends most before");

@@ -13,13 +13,13 @@ if(IVORY_BUILD_TOOLS)
   set_target_properties(ivory PROPERTIES INSTALL_RPATH ${module_path})
   install(TARGETS ivory COMPONENT tools)
   install(TARGETS ivory_images LIBRARY DESTINATION ${module_folder} COMPONENT tools)
-  install(FILES tools/cli/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
+  install(FILES tools/cmake/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
     RENAME ivory COMPONENT tools)
   # Pages are made when installing, as building them would run the command 50 times.
   find_program(HELP2MAN help2man DOC "makes the man pages from --help; none are installed without")
   if(HELP2MAN)
     set(man_folder ${CMAKE_CURRENT_BINARY_DIR}/man)
-    install(CODE "execute_process(COMMAND \"${CMAKE_CURRENT_SOURCE_DIR}/tools/cli/man_pages.sh\"
+    install(CODE "execute_process(COMMAND \"${CMAKE_CURRENT_SOURCE_DIR}/tools/cmake/man_pages.sh\"
       \"$<TARGET_FILE:ivory>\" \"${man_folder}\" COMMAND_ERROR_IS_FATAL ANY)" COMPONENT tools)
     install(DIRECTORY ${man_folder}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tools)
   endif()

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "grid/base/error.h"
-#include "tracer/core/intersector_filters.h"
-#include "tracer/core/portable_triangles.h"
+#include "tracer/core/rays/filters.h"
+#include "tracer/core/rays/portable_triangles.h"
 
 namespace ivory {
 namespace {

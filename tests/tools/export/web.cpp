@@ -59,11 +59,11 @@ TEST_F(ExportWeb, HoldsAllThatItNeeds) {
   const Json result = export_page(scene("room_boxes.gltf"), three, "--sh9 " + path("sky.json"));
   EXPECT_EQ(files("page"),
             (std::vector<std::string>{
-                "errors.bin", "index.html", "light.js", "light.json", "light.ktx2", "page.css", "page.js", "page.json",
-                "scene.glb", "three/LICENSE", "three/build/three.core.js", "three/build/three.module.js",
-                "three/examples/jsm/controls/OrbitControls.js", "three/examples/jsm/lighting/LightProbeGridWebGL.js",
-                "three/examples/jsm/loaders/GLTFLoader.js", "three/examples/jsm/loaders/KTX2Loader.js",
-                "three/examples/jsm/utils/WorkerPool.js"}));
+                "controls.js", "errors.bin", "index.html", "lamps.js", "light.js", "light.json", "light.ktx2",
+                "page.css", "page.js", "page.json", "scene.glb", "three/LICENSE", "three/build/three.core.js",
+                "three/build/three.module.js", "three/examples/jsm/controls/OrbitControls.js",
+                "three/examples/jsm/lighting/LightProbeGridWebGL.js", "three/examples/jsm/loaders/GLTFLoader.js",
+                "three/examples/jsm/loaders/KTX2Loader.js", "three/examples/jsm/utils/WorkerPool.js"}));
   EXPECT_EQ(result["three"], "0.187.0");
   EXPECT_EQ(result["thin_walls"].get<int>() > 0, !result["report"]["thin_walls"].empty());
   const Json page = Json::parse(bytes_of(path("page/page.json")), nullptr, false);
@@ -74,7 +74,7 @@ TEST_F(ExportWeb, HoldsAllThatItNeeds) {
   EXPECT_EQ(page["lamps"], Json::parse(R"([{"node": 1, "group": ""}])"));
   EXPECT_EQ(bytes_of(path("page/errors.bin")).size(), 10U * page["errors"]["count"].get<std::size_t>());
   // Nothing of the page asks for another server.
-  for (const char* name : {"index.html", "page.js", "page.css", "light.js", "page.json"})
+  for (const char* name : {"index.html", "page.js", "controls.js", "lamps.js", "page.css", "light.js", "page.json"})
     EXPECT_EQ(bytes_of(path(std::string("page/") + name)).find("://"), std::string::npos) << name;
   // The same bytes again, into the folder that is there; what is not the page's stays.
   const std::string before = bytes_of(path("page/errors.bin")) + bytes_of(path("page/page.json"));

@@ -7,7 +7,7 @@
 #include "tests/support/statistics.h"
 #include "tools/stability/scene_builder.h"
 #include "tracer/core/intersector.h"
-#include "tracer/core/intersector_filters.h"
+#include "tracer/core/rays/filters.h"
 #include "tracer/core/sampler.h"
 
 namespace ivory {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tools/stability/scene_builder.h"
-#include "tracer/core/crossing.h"
+#include "tracer/core/rays/crossing.h"
 #include "tracer/core/intersector.h"
 #include "tracer/core/sampling.h"
 

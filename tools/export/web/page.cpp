@@ -33,7 +33,7 @@ using Json = nlohmann::ordered_json;
 constexpr float reader_offset = 0.5F;  // LightProbeGrid reads half a cell off the surface
 constexpr int loss_points = 200;
 constexpr int map_points = 20000;
-constexpr std::size_t most_shadows = 6;  // as page.js has it
+constexpr std::size_t most_shadows = 6;  // as lamps.js has it
 
 // What the page leaves out of the light.
 std::vector<std::string> notes_of(const LitScene& lit, const IrradianceGrid& grid) {

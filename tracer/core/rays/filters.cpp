@@ -1,4 +1,4 @@
-#include "tracer/core/intersector_filters.h"
+#include "tracer/core/rays/filters.h"
 
 #include <algorithm>
 #include <bit>

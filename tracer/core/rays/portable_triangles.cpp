@@ -1,10 +1,10 @@
-#include "tracer/core/portable_triangles.h"
+#include "tracer/core/rays/portable_triangles.h"
 
 #include <limits>
 #include <optional>
 #include <utility>
 
-#include "tracer/core/crossing.h"
+#include "tracer/core/rays/crossing.h"
 
 namespace ivory {
 namespace {

@@ -1,4 +1,4 @@
-#include "tracer/core/crossing.h"
+#include "tracer/core/rays/crossing.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,7 @@
 
 #include <embree3/rtcore.h>
 
-#include "tracer/core/crossing.h"
+#include "tracer/core/rays/crossing.h"
 #include "tracer/core/scene.h"
 
 namespace ivory {

@@ -2,7 +2,7 @@
 // intersector.
 #pragma once
 
-#include "tracer/core/intersector_filters.h"
+#include "tracer/core/rays/filters.h"
 
 namespace ivory {
 
