@@ -1,10 +1,11 @@
 // The viewer's camera against the rays of ivory render, and its moves against what they promise.
+#include "tools/view/world/camera.h"
+
 #include <cmath>
 #include <random>
 
 #include <gtest/gtest.h>
 
-#include "tools/view/world/camera.h"
 #include "tracer/core/camera.h"
 
 namespace ivory {

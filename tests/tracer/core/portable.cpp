@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "tools/stability/scene_builder.h"
-#include "tracer/core/rays/crossing.h"
 #include "tracer/core/intersector.h"
+#include "tracer/core/rays/crossing.h"
 #include "tracer/core/sampling.h"
 
 namespace ivory {
