@@ -212,7 +212,7 @@ class FirstJob {
       line("\n[render.{}]\nscene = {}", name, toml_text(name_));
       if (!camera.empty()) line("camera = {}", toml_text(camera));
       environment_line();
-      line("method = \"gather\"\ngrid = {}\nsamples = 16\ngather = 16", toml_text(grid_));
+      line("method = \"gather\"\ngrid = {}\nsamples = 16\ngather = 4", toml_text(grid_));
     };
     const std::vector<Camera>& cameras = loaded_.scene.cameras;
     if (cameras.empty() || cameras.front().name.empty()) return picture(name_, "");
