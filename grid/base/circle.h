@@ -8,7 +8,8 @@
 namespace ivory {
 
 // The point of the unit circle at `turns` of a full turn from +x towards +y: (cos 2 pi turns, sin 2 pi turns), to
-// 2e-16. For |turns| < 2^30. The same bits on every CPU, and no slower than the C library's.
+// 2e-16. For |turns| < 2^29. The same bits on every CPU; half as long again as the C library's (15 ns for 10), once a
+// bounce.
 //
 // With q the nearest quarter turn and x in [-pi / 4, pi / 4] what is left of it, sine and cosine of x are Taylor sums:
 // the first terms left out are x^17 / 17! < 5e-17 and x^18 / 18! < 3e-18.
