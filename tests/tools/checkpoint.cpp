@@ -1,14 +1,10 @@
 // ivory bake grid --checkpoint: killed, stopped and gone on from, to the bytes of a bake that nothing stopped.
 #include <chrono>
 #include <csignal>
-#include <functional>
 #include <random>
 #include <thread>
 
-#include <sys/wait.h>
-#include <unistd.h>
-
-#include "tests/tools/script.h"
+#include "tests/tools/background_run.h"
 
 namespace ivory::script {
 
@@ -16,43 +12,8 @@ namespace {
 
 const std::string room = std::string(source_folder) + "/scenes/room_boxes.gltf";
 
-// ivory in the background, to be ended at a moment of the test's choice; `ignored` is a signal that its shell ignores.
-class Bake {
- public:
-  Bake(const fs::path& folder, const std::string& arguments, int ignored = 0) : folder_(folder) {
-    child_ = ::fork();
-    if (child_ != 0) return;
-    if (ignored != 0) ::signal(ignored, SIG_IGN);
-    const std::string line = "cd '" + folder.string() + "' && exec '" + ivory_binary + "' " + arguments + " 2> .said";
-    ::execl("/bin/sh", "sh", "-c", line.c_str(), nullptr);
-    ::_exit(127);
-  }
-  bool is_running() {
-    if (!is_over_ && ::waitpid(child_, &status_, WNOHANG) == child_) is_over_ = true;
-    return !is_over_;
-  }
-  void signal(int which) const { ::kill(child_, which); }
-  // Exit code; less the signal's number where one ended it.
-  int end() {
-    if (!is_over_) ::waitpid(child_, &status_, 0);
-    is_over_ = true;
-    return WIFEXITED(status_) ? WEXITSTATUS(status_) : -WTERMSIG(status_);
-  }
-  std::string said() const { return read_file(folder_ / ".said"); }
-
- private:
-  fs::path folder_;
-  pid_t child_ = -1;
-  int status_ = 0;
-  bool is_over_ = false;
-};
-
-void wait_for(Bake& bake, const std::function<bool()>& what) {
-  while (bake.is_running() && !what()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-}
-
 // Another than there was before the bake.
-void wait_for_checkpoint(Bake& bake, const fs::path& checkpoint, fs::file_time_type before) {
+void wait_for_checkpoint(BackgroundRun& bake, const fs::path& checkpoint, fs::file_time_type before) {
   std::error_code gone;  // renamed at this moment
   wait_for(bake, [&] { return fs::exists(checkpoint, gone) && fs::last_write_time(checkpoint, gone) != before; });
 }
@@ -80,7 +41,7 @@ void kill_and_go_on(const fs::path& folder, const std::string& bake, unsigned se
   for (int kills = 0; kills < 3; ++kills) {
     const fs::path checkpoint = folder / "x.checkpoint.vdb";
     const auto before = written(checkpoint);
-    Bake run(folder, often + (kills % 2 == 0 ? " --threads 1" : ""));
+    BackgroundRun run(folder, often + (kills % 2 == 0 ? " --threads 1" : ""));
     wait_for_checkpoint(run, checkpoint, before);
     std::this_thread::sleep_for(std::chrono::milliseconds(delay_ms(random)));
     run.signal(SIGKILL);
@@ -129,7 +90,7 @@ TEST(BakeCheckpoint, SignalsLeaveOne) {
   for (const int signal : {SIGINT, SIGTERM}) {
     // At a moment when photons fly, which a checkpoint shows; it is written anew then.
     const auto before = written(checkpoint);
-    Bake run(folder, bake + "-o x.vdb -f --checkpoint 0.00007");
+    BackgroundRun run(folder, bake + "-o x.vdb -f --checkpoint 0.00007");
     wait_for_checkpoint(run, checkpoint, before);
     run.signal(signal);
     ASSERT_EQ(run.end(), 128 + signal) << run.said();
@@ -141,7 +102,7 @@ TEST(BakeCheckpoint, SignalsLeaveOne) {
   ASSERT_EQ(ivory(folder, bake + "-o x.vdb").exit_code, 0);
   EXPECT_EQ(read_file(folder / "x.vdb"), read_file(folder / "whole.vdb"));
   // A job in the background ignores Ctrl-C, and goes on doing so.
-  Bake job(folder, bake + "-o x.vdb -f -q --checkpoint 0.00007", SIGINT);
+  BackgroundRun job(folder, bake + "-o x.vdb -f -q --checkpoint 0.00007", SIGINT);
   wait_for_checkpoint(job, checkpoint, fs::file_time_type::min());
   job.signal(SIGINT);
   job.signal(SIGINT);
@@ -153,7 +114,7 @@ TEST(BakeCheckpoint, OthersAndDamageAreRefused) {
   const fs::path folder = scratch_folder("checkpoint_foreign");
   const std::string bake = "bake grid " + room + " --resolution 8 -o x.vdb ";
   {
-    Bake run(folder, bake + "--photons 1m --checkpoint 0.00007 -q");
+    BackgroundRun run(folder, bake + "--photons 1m --checkpoint 0.00007 -q");
     wait_for(run, [&] { return fs::exists(folder / "x.checkpoint.vdb"); });
     run.signal(SIGKILL);
     run.end();
@@ -203,7 +164,7 @@ TEST(BakeCheckpoint, OthersAndDamageAreRefused) {
 // it sees take far longer than that.
 TEST(BakeCheckpoint, LeavesBeforeTheFirstPhoton) {
   const fs::path folder = scratch_folder("checkpoint_early");
-  Bake run(folder, "bake grid " + room + " --resolution 128,64,128 --photons 1g -o x.vdb --threads 1");
+  BackgroundRun run(folder, "bake grid " + room + " --resolution 128,64,128 --photons 1g -o x.vdb --threads 1");
   std::this_thread::sleep_for(std::chrono::milliseconds(700));  // it loads, or finds what vertices see
   run.signal(SIGTERM);
   const int code = run.end();

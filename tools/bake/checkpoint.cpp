@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "tools/cli/host.h"
 #include "tools/cli/interrupt.h"
 
 namespace ivory {
@@ -67,12 +68,15 @@ KeptCheckpoint::KeptCheckpoint(const CheckpointOptions& options, const std::stri
   }
 }
 
-KeptCheckpoint::~KeptCheckpoint() = default;
+KeptCheckpoint::~KeptCheckpoint() { baked(); }
 
 std::optional<CheckpointPolicy> KeptCheckpoint::policy(Progress& progress) {
   if (policy_.path.empty()) return std::nullopt;
-  // In a host's process signals are the host's; what was kept before stands.
-  if (common_.host == nullptr) {
+  // In a host's process signals are the host's.
+  if (CommandHost* host = common_.host; host != nullptr) {
+    host->set_stoppable(Stoppable::yes);
+    policy_.stop = [host] { return host->stop_asked(); };
+  } else {
     signals_ = std::make_unique<Signals>();
     std::error_code unreadable;
     signals_->interrupt.set_last_words(
@@ -86,7 +90,9 @@ std::optional<CheckpointPolicy> KeptCheckpoint::policy(Progress& progress) {
 }
 
 void KeptCheckpoint::note(const CheckpointEvent& event, Progress& progress) {
-  if (signals_) signals_->interrupt.be_patient(event.kind == CheckpointEvent::Kind::writing);
+  const bool saves = event.kind == CheckpointEvent::Kind::writing;
+  if (signals_) signals_->interrupt.be_patient(saves);
+  if (common_.host != nullptr) common_.host->set_stoppable(saves ? Stoppable::saving : Stoppable::yes);
   switch (event.kind) {
     case CheckpointEvent::Kind::writing:
       return;
@@ -107,7 +113,10 @@ void KeptCheckpoint::note(const CheckpointEvent& event, Progress& progress) {
   }
 }
 
-void KeptCheckpoint::baked() { signals_.reset(); }
+void KeptCheckpoint::baked() {
+  signals_.reset();
+  if (common_.host != nullptr) common_.host->set_stoppable(Stoppable::no);
+}
 
 void KeptCheckpoint::finish(nlohmann::ordered_json& result) {
   if (resumed_ || written_ > 0) {

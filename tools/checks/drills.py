@@ -12,94 +12,16 @@ import pathlib
 import random
 import resource
 import shutil
-import signal
 import subprocess
 import sys
 import threading
 import time
 
-from drill_bench import BOX, KNOT, LIMIT_SECONDS, SCENES, SKY, Bench
+from drill_bench import BOX, KNOT, LIMIT_SECONDS, SCENES, SKY
+from kill_drills import KillDrills
 
 
-class Drills(Bench):
-    def killed(self):
-        """SIGKILL at random moments, more of them towards the end, where files are written."""
-        for writer in self.writers:
-            folder = self.folder / "killed"
-            folder.mkdir()
-            output = self.output(folder, writer)
-            command = [self.ivory] + writer.words + ["-o", str(output), "--force", "--quiet"]
-            for _ in range(self.moments):
-                self.tried += 1
-                output.write_bytes(writer.old)
-                moment = writer.seconds * (random.uniform(0, 1.1) if random.random() < 0.4 else random.uniform(0.7, 1.1))
-                with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as process:
-                    start = time.monotonic()
-                    try:
-                        process.wait(moment)
-                        writer.seconds = 0.9 * writer.seconds + 0.1 * (time.monotonic() - start)
-                    except subprocess.TimeoutExpired:
-                        process.send_signal(signal.SIGKILL)
-                self.check_file(writer, output, whole=True)
-                strange = [f.name for f in folder.iterdir() if f != output and not (f.name[0] == "." and ".part" in f.name)]
-                if strange:
-                    self.fault("damaged", writer.name, f"left behind: {' '.join(strange)}")
-            # What was left behind is in nobody's way.
-            code, said = self.run(writer.words + ["-o", output, "--force"])
-            if code != 0 or output.read_bytes() != writer.new:
-                self.fault("damaged", writer.name, f"does not run again: {said}")
-            shutil.rmtree(folder)
-
-    def killed_and_resumed(self):
-        """SIGKILL at random moments of bakes with checkpoints, each of which goes on from what the last one left."""
-        for name, options, longest in [("bake grid", ["--photons", "1m"], 0.6),
-                                       ("bake grid groups", ["--photons", "700k", "--levels", "2", "--groups", "extras"], 0.6),
-                                       ("bake grid to an error", ["--target-error", "6%"], 1.1)]:
-            folder = self.folder / "resumed"
-            folder.mkdir()
-            output, checkpoint = folder / "out.vdb", folder / "out.checkpoint.vdb"
-            words = ["bake", "grid", str(SCENES / "leak_axis.gltf")] + options
-            if "--target-error" not in options:
-                words += ["--resolution", "10"]
-            start = time.monotonic()
-            self.make(words + ["-o", str(output)])
-            seconds, whole = time.monotonic() - start, output.read_bytes()
-            output.unlink()
-            for moment in range(self.moments // 3 + 1):
-                self.tried += 1
-                # As often as their cost allows, on other numbers of threads.
-                command = [self.ivory] + words + ["-o", str(output), "--quiet", "--checkpoint", "0.0001",
-                                                  "--threads", str(1 + moment % 2)]
-                with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True) as process:
-                    try:
-                        # Photons are but the end of a bake to an error.
-                        _, said = process.communicate(timeout=random.uniform(0, longest * seconds))
-                        code = process.returncode
-                    except subprocess.TimeoutExpired:
-                        process.send_signal(signal.SIGKILL)
-                        code = None
-                if code is None:
-                    if checkpoint.exists():
-                        code, said = self.run(["info", checkpoint])
-                        if code != 0:
-                            self.fault("damaged", name, f"checkpoint: {said}")
-                    if output.exists():  # at the very end
-                        if output.read_bytes() != whole:
-                            self.fault("damaged", name, "not the bytes of a bake that nothing stopped")
-                        output.unlink()
-                    continue
-                if code != 0:
-                    self.fault("misled", name, f"does not go on: exit code {code}: {said}")
-                elif output.read_bytes() != whole:
-                    self.fault("damaged", name, "not the bytes of a bake that nothing stopped")
-                if checkpoint.exists():
-                    self.fault("misled", name, "its checkpoint stays")
-                output.unlink(missing_ok=True)
-            code, said = self.run(words + ["-o", output])
-            if code != 0 or output.read_bytes() != whole:
-                self.fault("damaged", name, f"does not end as a bake that nothing stopped: {said}")
-            shutil.rmtree(folder)
-
+class Drills(KillDrills):
     def full_disk(self):
         """A file system in memory with nothing, a block and four blocks left."""
         for writer in self.writers if self.mounted else []:
@@ -290,7 +212,7 @@ def main():
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     drills = Drills(sys.argv[1], folder, int(sys.argv[3]) if len(sys.argv) > 3 else 100)
-    every = [drills.killed, drills.killed_and_resumed, drills.full_disk, drills.limited_file, drills.read_only_folder, drills.vanishing_folder,
+    every = [drills.killed, drills.killed_and_resumed, drills.batch_killed, drills.full_disk, drills.limited_file, drills.read_only_folder, drills.vanishing_folder,
              drills.closed_streams, drills.little_memory, drills.few_open_files, drills.two_at_once,
              drills.changing_input]
     chosen = [drill for drill in every if not sys.argv[4:] or drill.__name__ in sys.argv[4:]]

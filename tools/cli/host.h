@@ -17,6 +17,10 @@ class SharedInputs;  // tools/input/shared.h
 // input is read or work begins; or all the way.
 enum class CommandStage { parse, check, run };
 
+// May a command be stopped now: not without losing what it has done; whenever it asks next; once it has saved what it
+// is just saving.
+enum class Stoppable { no, yes, saving };
+
 class CommandHost {
  public:
   explicit CommandHost(CommandStage stage_to) : stage(stage_to) {}
@@ -29,6 +33,11 @@ class CommandHost {
   virtual void result(const nlohmann::ordered_json& object, const std::string& human) = 0;
   virtual void note(const std::string& line) = 0;
   virtual void progress(const std::string& label, const std::string& unit, std::uint64_t done, std::uint64_t total) = 0;
+
+  // Work that can be stopped and gone on from says so while it is at it, and asks from any thread whether it shall
+  // stop.
+  virtual void set_stoppable(Stoppable /*state*/) {}
+  virtual bool stop_asked() const { return false; }
 
   CommandStage stage;
   SharedInputs* inputs = nullptr;  // null: the command loads its own

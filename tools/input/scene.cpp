@@ -24,6 +24,7 @@ std::string key_of(const std::string& path, const LoadParams& params) {
   std::string key = fmt::format("{}\n{}\n{}", path, params.scale, params.animation);
   if (params.time_s) key += fmt::format("\n{}", *params.time_s);
   for (const std::string& node : params.without) key += "\nwithout " + node;
+  for (const int set : params.uv_sets) key += fmt::format("\nTEXCOORD_{}", set);
   return key;
 }
 

@@ -41,9 +41,10 @@ struct AssetKind {
   SceneUse use;
   // Raised with every change that gives other values from the same input: `ivory batch` bakes again by it.
   int baking_version;
-  bool check;     // may its options be checked before its inputs are there?
-  bool predicts;  // has it --dry-run?
-  double heft;    // how long it takes beside others, where nothing better is known
+  bool check;                     // may its options be checked before its inputs are there?
+  bool predicts;                  // has it --dry-run?
+  double heft;                    // how long it takes beside others, where nothing better is known
+  std::vector<int> uv_sets = {};  // of the scene that it reads though no texture asks for them
 };
 
 const std::vector<AssetKind>& asset_kinds();

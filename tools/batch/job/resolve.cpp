@@ -43,7 +43,8 @@ class Resolver {
 
   void resolve(int index) {
     JobAsset& asset = job_.assets[std::size_t(index)];
-    const LoadParams load = load_params(asset.options);
+    LoadParams load = load_params(asset.options);
+    load.uv_sets = asset.kind->uv_sets;
     for (JobOption& option : asset.options) {
       const InputOption* input = find_input(*asset.kind, option.name);
       if (input == nullptr) continue;

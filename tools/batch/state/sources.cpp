@@ -19,6 +19,7 @@ std::string key_of(const std::string& path, const LoadParams& params) {
   if (params.time_s) key += fmt::format(" --time {}", *params.time_s);
   if (!params.animation.empty()) key += " --animation " + params.animation;
   for (const std::string& node : params.without) key += " --without " + node;
+  for (const int set : params.uv_sets) key += fmt::format(" TEXCOORD_{}", set);
   return key;
 }
 

@@ -7,8 +7,14 @@
 
 namespace ivory {
 
-AssetHost::AssetHost(std::string name, int asset, Board& board, BatchLog& log, bool quiet)
-    : CommandHost(CommandStage::run), name_(std::move(name)), asset_(asset), board_(board), log_(log), quiet_(quiet) {}
+AssetHost::AssetHost(std::string name, int asset, Board& board, BatchLog& log, BatchStop& stop, bool quiet)
+    : CommandHost(CommandStage::run),
+      name_(std::move(name)),
+      asset_(asset),
+      board_(board),
+      log_(log),
+      stop_(stop),
+      quiet_(quiet) {}
 
 void AssetHost::result(const nlohmann::ordered_json& object, const std::string& human) {
   std::istringstream lines(human);

@@ -32,8 +32,13 @@ Board::Board(const CommonOptions& common, std::vector<double> seconds)
       start_(Clock::now()),
       last_drawn_(start_) {}
 
-Board::~Board() {
+Board::~Board() { end(); }
+
+void Board::end() {
+  const std::scoped_lock lock(mutex_);
   if (drawn_) print_stderr("\r\033[K");
+  drawn_ = false;
+  visible_ = false;
 }
 
 void Board::start(int asset, const std::string& name) {

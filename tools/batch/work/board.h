@@ -19,7 +19,7 @@ class Board {
   // `seconds`: [asset] that each takes, about: what of all the work is done is weighed by it. Below 0: it is none of
   // the batch's.
   Board(const CommonOptions& common, std::vector<double> seconds);
-  ~Board();  // wipes the line
+  ~Board();  // as end()
   Board(const Board&) = delete;
   Board& operator=(const Board&) = delete;
 
@@ -29,6 +29,8 @@ class Board {
   void finish(int asset);
   // A line that stays, above.
   void say(const std::string& line, bool on_stdout);
+  // Wipes the line, for good.
+  void end();
 
  private:
   struct Running {

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "grid/base/error.h"
 #include "grid/base/memory.h"
@@ -15,7 +16,10 @@
 #include "tools/batch/work/asset_host.h"
 #include "tools/batch/work/predict.h"
 #include "tools/batch/work/schedule.h"
+#include "tools/batch/work/stop.h"
+#include "tools/cli/interrupt.h"
 #include "tools/cli/program.h"
+#include "tools/cli/streams.h"
 #include "tools/input/shared.h"
 
 namespace ivory {
@@ -25,6 +29,10 @@ namespace fs = std::filesystem;
 namespace {
 
 using Clock = std::chrono::steady_clock;
+
+const std::string stopped = "stopped; the same command goes on from there, grids from their checkpoints";
+// What was asked to stop is waited for as long as what is never asked (tools/cli/interrupt.h).
+constexpr std::chrono::milliseconds patience{1800};
 
 class Runner {
  public:
@@ -90,6 +98,7 @@ class Runner {
   void work() {
     std::unique_lock lock(mutex_);
     while (!schedule_.over() && !broken_) {
+      if (stop_.asked()) leave(lock);
       const std::optional<int> task = schedule_.start();
       if (!task) {
         changed_.wait(lock);
@@ -137,13 +146,18 @@ class Runner {
     board_.start(index, asset.name);
 
     lock.unlock();
-    AssetHost host(asset.name, index, board_, log_, common_.quiet);
+    AssetHost host(asset.name, index, board_, log_, stop_, common_.quiet);
     host.inputs = &shared_;
     const Clock::time_point start = Clock::now();
     const ProgramEnd end = run_command(asset, host);
     outcome.seconds = std::chrono::duration<double>(Clock::now() - start).count();
     lock.lock();
 
+    stop_.ended(index);
+    if (end.exit_code == interrupted_exit_code() && stop_.asked()) {
+      log_.write(asset.name + ": " + end.message);
+      leave(lock);
+    }
     outcome.warnings = host.warnings();
     if (end.exit_code != 0) {
       outcome.state = AssetState::failed;
@@ -161,6 +175,19 @@ class Runner {
     made.finished = true;
     save();
     return true;
+  }
+
+  // Ends the process once nothing saves that could. What else is being made has nothing to lose but its own begun work:
+  // outputs are there whole or not at all, and the record says which are.
+  [[noreturn]] void leave(std::unique_lock<std::mutex>& lock) {
+    constexpr std::chrono::milliseconds glance{20};
+    const Clock::time_point until = Clock::now() + patience;
+    while (stop_.any(Stoppable::saving) || (stop_.any(Stoppable::yes) && Clock::now() < until))
+      changed_.wait_for(lock, glance);
+    log_.write(stopped);
+    board_.end();
+    print_stderr("ivory: " + stopped + "\n");
+    ::_exit(interrupted_exit_code());
   }
 
   ProgramEnd run_command(const JobAsset& asset, AssetHost& host) const {
@@ -223,6 +250,7 @@ class Runner {
   Board board_;
   Schedule schedule_;
   SharedInputs shared_;
+  BatchStop stop_{"ivory: " + stopped};
   std::mutex mutex_;
   std::condition_variable changed_;
   std::exception_ptr broken_;
