@@ -244,11 +244,15 @@ void run(const BenchRuntimeOptions& options, const CommonOptions& common) {
   const GpuSh9 sh9 = upload(assets.sh9);
   const GpuDifMap difmap = upload(assets.difmap);
   const GpuGrid grid = upload(assets.grid);
+  const GpuGrid levels = upload(assets.levels);
   const GpuLocalizedCube cube = upload(assets.cube);
   GpuLobes lobes = upload(assets.lobes);
   place(lobes, std::vector<RuntimeSphereLight>{{{V3f(3, 5, 2), 0.5F}, Rgb(20, 20, 20)}}, assets.spheres.spheres);
   const auto grid_read = [&](Interpolation interpolation, Guard guard) {
     return ambient(grid, LookupParams{.guard = guard, .interpolation = interpolation});
+  };
+  const auto levels_read = [&](Interpolation interpolation) {
+    return ambient(levels, LookupParams{.guard = Guard::planes, .interpolation = interpolation});
   };
   GpuFivTables fiv = upload(std::span(&assets.table, 1));
   const std::vector<GpuFivOccluder> crowd = crowd_of(assets.occluder, 60);
@@ -260,6 +264,8 @@ void run(const BenchRuntimeOptions& options, const CommonOptions& common) {
   methods.push_back({"grid, trilinear, guard planes", grid_read(Interpolation::trilinear, Guard::planes)});
   methods.push_back({"grid, tricubic", grid_read(Interpolation::tricubic, Guard::off)});
   methods.push_back({"grid, tricubic, guard planes", grid_read(Interpolation::tricubic, Guard::planes)});
+  methods.push_back({"three levels, trilinear, planes", levels_read(Interpolation::trilinear)});
+  methods.push_back({"three levels, tricubic, planes", levels_read(Interpolation::tricubic)});
   methods.push_back({"cube map, M = 4", ambient(cube)});
   methods.push_back({fmt::format("lobes, depth 4, {} spheres", assets.spheres.spheres.size()), ambient(lobes, false)});
   for (const int count : {1, 10, 20, 40, 60}) {

@@ -55,6 +55,8 @@ RuntimeBenchAssets make_runtime_bench_assets(const Scene& object, const Environm
   grid.resolution = V3i(grid_side, grid_side, grid_side);
   grid.photons = 1'000'000;
   out.grid = resolve(bake_grid_sums(lit, grid));
+  grid.levels = 3;
+  out.levels = resolve(bake_grid_sums(lit, grid));
 
   CaptureParams capture;
   capture.size = 64;

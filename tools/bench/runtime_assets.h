@@ -23,9 +23,10 @@ struct RuntimeBenchAssets {
   CubeMap environment;  // 32 texels a side
   Sh9 sh9;
   DifMap difmap;
-  FivTable table;       // 64 x 33 x 30 samples, six hemispheres
-  IrradianceGrid grid;  // of the object on a floor of 8 x 8 m under the environment, with its guard
-  LocalizedCube cube;   // 4 texels a side
+  FivTable table;         // 64 x 33 x 30 samples, six hemispheres
+  IrradianceGrid grid;    // of the object on a floor of 8 x 8 m under the environment, with its guard
+  IrradianceGrid levels;  // the same in three spacings, of which the finest is the grid's
+  LocalizedCube cube;     // 4 texels a side
   LobeTable lobes;
   SphereSet spheres;
 };
