@@ -17,7 +17,7 @@ struct KeptCheckpoint::Signals {
   Interrupt interrupt;
 };
 
-void add_checkpoint_option(Command command, CheckpointOptions& options) {
+void add_checkpoint_option(Command command, CheckpointOptions& options, const std::string& description) {
   command
       .add_option(
           "--checkpoint",
@@ -28,8 +28,7 @@ void add_checkpoint_option(Command command, CheckpointOptions& options) {
             options.minutes = *minutes;
             options.is_given = true;
           },
-          "Keeps what is done so far in OUT.checkpoint.vdb, so often and at Ctrl-C or SIGTERM: after whatever\n"
-          "stopped it, the same command goes on from there, to the same bytes. 0 keeps none")
+          description)
       .type_name("MINUTES")
       .default_str(fmt::format("{}", options.minutes));
 }
@@ -39,7 +38,7 @@ void refuse_checkpoint_option(Command command) {
       .add_option(
           "--checkpoint",
           [](const std::string&) {
-            throw UsageError("--checkpoint: this bake keeps none; only 'ivory bake grid' does");
+            throw UsageError("--checkpoint: this bake keeps none; only 'ivory bake grid' and 'ivory render' do");
           },
           "Refused")
       .group("");
@@ -51,8 +50,8 @@ std::string checkpoint_path(const std::string& output) {
 }
 
 KeptCheckpoint::KeptCheckpoint(const CheckpointOptions& options, const std::string& output, Metadata origin,
-                               const CommonOptions& common)
-    : common_(common) {
+                               const CommonOptions& common, std::string unit)
+    : common_(common), unit_(std::move(unit)) {
   policy_.origin = std::move(origin);
   policy_.every_s = 60 * options.minutes;
   policy_.replace = common.force;
@@ -122,11 +121,11 @@ void KeptCheckpoint::finish(nlohmann::ordered_json& result) {
   if (resumed_ || written_ > 0) {
     std::error_code error;
     if (!fs::remove(policy_.path, error) && error) {
-      warnings_.push_back(policy_.path + ": cannot be removed (" + error.message() + "), though the bake is done");
+      warnings_.push_back(policy_.path + ": cannot be removed (" + error.message() + "), though all is done");
       print_note(common_, "warning: " + warnings_.back());
     }
     result["checkpoint"] = {{"file", policy_.path}, {"written", written_}, {"seconds", seconds_}};
-    if (resumed_) result["checkpoint"]["resumed_photons"] = *resumed_;
+    if (resumed_) result["checkpoint"]["resumed_" + unit_] = *resumed_;
   }
   for (const std::string& warning : warnings_) result["warnings"].push_back(warning);
 }

@@ -18,7 +18,7 @@ struct CheckpointOptions {
   bool is_given = false;  // asked for, not the default
 };
 
-void add_checkpoint_option(Command command, CheckpointOptions& options);
+void add_checkpoint_option(Command command, CheckpointOptions& options, const std::string& description);
 // For bakes that keep none: the option is refused in words, and no part of the help.
 void refuse_checkpoint_option(Command command);
 
@@ -28,9 +28,9 @@ std::string checkpoint_path(const std::string& output);
 // The checkpoint of one bake, from before it to when its output is in place.
 class KeptCheckpoint {
  public:
-  // `origin`: as CheckpointPolicy has it.
+  // `origin`: as CheckpointPolicy has it. `unit`: what is counted.
   KeptCheckpoint(const CheckpointOptions& options, const std::string& output, Metadata origin,
-                 const CommonOptions& common);
+                 const CommonOptions& common, std::string unit = "photons");
   ~KeptCheckpoint();
   KeptCheckpoint(const KeptCheckpoint&) = delete;
   KeptCheckpoint& operator=(const KeptCheckpoint&) = delete;
@@ -43,7 +43,7 @@ class KeptCheckpoint {
   // The output is in place: removes the file, and adds to the bake's result what was kept.
   void finish(nlohmann::ordered_json& result);
 
-  std::uint64_t done_before() const { return resumed_.value_or(0); }  // photons
+  std::uint64_t done_before() const { return resumed_.value_or(0); }  // of the unit
 
  private:
   struct Signals;
@@ -51,6 +51,7 @@ class KeptCheckpoint {
   void note(const CheckpointEvent& event, Progress& progress);
 
   const CommonOptions& common_;
+  std::string unit_;
   CheckpointPolicy policy_;
   std::unique_ptr<Signals> signals_;
   std::optional<std::uint64_t> resumed_;

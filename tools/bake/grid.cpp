@@ -328,7 +328,10 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
   command.add_choice("--guard", params.guard,
                      "Leak guard: rays and planes count only light that a vertex sees and store its\n"
                      "compact guard; off does neither");
-  add_checkpoint_option(command, options->checkpoint);
+  add_checkpoint_option(
+      command, options->checkpoint,
+      "Keeps what is done so far in OUT.checkpoint.vdb, so often and at Ctrl-C or SIGTERM: after whatever\n"
+      "stopped it, the same command goes on from there, to the same bytes. 0 keeps none");
   add_grid_contract_options(command, options->contract);
   command.footer(
       "The same command gives the same bytes with any --threads, and however often it was stopped.\n"

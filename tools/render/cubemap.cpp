@@ -64,6 +64,12 @@ RenderMethod make_cubemap_method(Command command, const std::shared_ptr<GridInpu
   method.options = grid_option_names();
   method.options.insert(method.options.end(), {"--cubemap", "--lookup"});
   method.uses_objects = true;
+  method.noise_note = "the noise of samples, not what the cube map is off by";
+  method.files = [options] {
+    std::vector<std::string> files{options->path};
+    if (!options->grid->grid.empty()) files.push_back(options->grid->grid);
+    return files;
+  };
   method.check = [options] {
     if (options->path.empty()) throw UsageError("--method cubemap needs --cubemap MAP.exr (see ivory bake cubemap)");
   };

@@ -120,6 +120,13 @@ RenderMethod make_fiv_method(Command command) {
   method.options = {"--occluder", "--ambient", "--overlap", "--straddling"};
   method.needs_environment = true;
   method.direct_only = true;
+  method.noise_note = "of edges inside pixels: tables have no noise, and what they are off by is not in it";
+  method.files = [options] {
+    std::vector<std::string> files;
+    for (const std::string& occluder : options->occluders) files.push_back(parse_occluder(occluder).path);
+    if (!options->ambient.empty()) files.push_back(options->ambient);
+    return files;
+  };
   method.check = [options] {
     for (const std::string& text : options->occluders) parse_occluder(text);
   };

@@ -45,6 +45,8 @@ RenderMethod make_method(const std::shared_ptr<GatherOptions>& options, bool gat
     }
     if (gather && *options->gather < 1) throw UsageError("--gather: --method gather needs a ray at least");
   };
+  method.noise_note = "the noise of samples, not what the grid is off by";
+  method.files = [options] { return std::vector<std::string>{options->grid->grid}; };
   method.render = [options, gather](const RenderRequest& request) { return render_grid(*options, gather, request); };
   method.describe = [options, gather](Metadata& m) {
     describe(*options->grid, m);

@@ -21,10 +21,14 @@ struct LobeOptions {
   LobeParams params;
 };
 
-// "FILE.json" or "FILE.json@X,Y,Z": an @ before the extension belongs to the name. Relative to the anchor.
+// Of the @ of "FILE.json@X,Y,Z"; an @ before the extension belongs to the name.
+std::size_t place_of(const std::string& text) {
+  return text.ends_with(".json") ? std::string::npos : text.find_last_of('@');
+}
+
+// "FILE.json" or "FILE.json@X,Y,Z". Relative to the anchor.
 std::vector<Sphere> load_placed(const std::string& text, const V3d& anchor_m) {
-  const bool moved = !text.ends_with(".json");
-  const std::size_t at = moved ? text.find_last_of('@') : std::string::npos;
+  const std::size_t at = place_of(text);
   V3d offset(0, 0, 0);
   if (at != std::string::npos) offset = parse_vector3("--spheres", std::string_view(text).substr(at + 1));
   SphereSet set = read_spheres(text.substr(0, at));
@@ -88,6 +92,14 @@ RenderMethod make_lobes_method(Command command) {
   method.options = {"--lobes",      "--spheres", "--shadows",   "--shadow-rays",
                     "--mask-depth", "--mask",    "--threshold", "--split"};
   method.direct_only = true;
+  method.noise_note =
+      "the noise of samples: lobes have none but that of edges inside pixels, and what they are off by is not in it";
+  method.files = [options] {
+    std::vector<std::string> files;
+    if (!options->table.empty()) files.push_back(options->table);
+    for (const std::string& set : options->sphere_sets) files.push_back(set.substr(0, place_of(set)));
+    return files;
+  };
   method.check = [options] {
     if (options->params.shadows != LobeShadows::mesh && options->params.shadows != LobeShadows::none) {
       for (const std::string& text : options->sphere_sets) load_placed(text, V3d(0, 0, 0));

@@ -41,8 +41,10 @@ struct RenderMethod {
   bool uses_objects = false;       // does --object change how it renders? Otherwise objects are just part of the scene
   bool needs_environment = false;  // is --env a must?
   bool direct_only = false;        // does it leave out all indirect light?
+  std::string noise_note = {};     // what the measured noise is of, where it is not all that is off
   std::function<void()> check;     // throws UsageError for what its options lack; runs before the scene is loaded
   std::function<void(Scene&)> extend;  // adds to the loaded scene before anything is built from it; may be empty
+  std::function<std::vector<std::string>()> files;  // that it reads, given by options; may be empty
   std::function<Rendered(const RenderRequest&)> render;
   std::function<void(Metadata&)> describe;  // its parameters, for the picture's attributes
 };

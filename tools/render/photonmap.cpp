@@ -60,6 +60,7 @@ RenderMethod make_photonmap_method(Command command, const std::shared_ptr<int>& 
   method.name = "photonmap";
   method.summary = "photon map with precomputed irradiance, to compare with; read directly, or behind --gather rays";
   method.options = {"--photons", "--neighbours", "--gather"};
+  method.noise_note = "the noise of samples, not what the photon map is off by";
   method.check = [options] {
     if (options->photons == 0) throw UsageError("--photons must be at least 1");
   };

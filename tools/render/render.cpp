@@ -13,16 +13,22 @@
 #include <nlohmann/json.hpp>
 
 #include "grid/base/error.h"
+#include "grid/io/file.h"
 #include "grid/io/json.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/grid.h"
 #include "tools/input/objects.h"
 #include "tools/input/scene.h"
+#include "tools/render/checkpoint.h"
 #include "tools/render/method.h"
+#include "tools/render/quality.h"
+#include "tracer/bake/field/grid_checkpoint.h"
 #include "tracer/image/file.h"
 
 namespace ivory {
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -35,7 +41,8 @@ struct RenderOptions {
   std::string camera;
   std::vector<SphereLightOption> sphere_lights;
   std::vector<std::string> sphere_light_texts;
-  int samples = 64;
+  QualityOptions quality;
+  CheckpointOptions checkpoint;
   std::uint64_t seed = 1;
   Imath::V2i size{640, 480};
   std::vector<std::string> objects;
@@ -71,25 +78,11 @@ std::vector<std::string> judge(const RenderOptions& options, const LitScene& lit
   return warnings;
 }
 
-Rendered render(const RenderOptions& options, const RenderMethod& method, const SceneInput& input,
-                const std::vector<bool>& is_object, const CommonOptions& common) {
-  const View view = choose_view(options, input.lit);
-  if (input.lit.lights.empty()) print_note(common, fmt::format("warning: nothing in {} emits light", options.scene));
-  RenderParams params;
-  params.samples = options.samples;
-  params.seed = options.seed;
-  params.threads = thread_count(common);
-  Progress progress(common, "rendering", "samples");
-  const std::uint64_t total = std::uint64_t(options.samples) * std::uint64_t(view.width) * std::uint64_t(view.height);
-  params.progress = [&](double fraction) { progress.update(std::uint64_t(fraction * double(total)), total); };
-  return method.render({input, view, params, is_object, options.indirect_only, common});
-}
-
 Metadata describe(const RenderOptions& options, const RenderMethod& method, const SceneInput& input) {
   Metadata m = input.origin;
   m["version"] = std::string(IVORY_VERSION);
   m["method"] = options.method;
-  m["samples"] = std::int64_t(options.samples);
+  describe(options.quality, m);
   m["seed"] = std::int64_t(options.seed);
   m["light"] = std::string(options.indirect_only ? "indirect" : "all");
   m["units"] = std::string("nits");
@@ -99,6 +92,42 @@ Metadata describe(const RenderOptions& options, const RenderMethod& method, cons
     m["sphere_lights"] = fmt::format("{}", fmt::join(options.sphere_light_texts, " "));
   method.describe(m);
   return m;
+}
+
+// All that decides the picture's sums.
+Metadata identity(const RenderOptions& options, const RenderMethod& method, const SceneInput& input) {
+  Metadata m = describe(options, method, input);
+  m["size"] = fmt::format("{}x{}", options.size.x, options.size.y);
+  m["cpu"] = checkpoint_cpu(input.lit.intersector.portable());
+  std::string hashes;
+  for (const std::string& object : options.objects) {
+    const std::string file = object.substr(0, object.find('@'));
+    if (is_scene_name(file)) hashes += file_hash(file);
+  }
+  if (method.files) {
+    for (const std::string& file : method.files()) hashes += file_hash(file);
+  }
+  if (!hashes.empty()) m["files_hash"] = text_hash(hashes);
+  return m;
+}
+
+Rendered render(const RenderOptions& options, const RenderMethod& method, const SceneInput& input,
+                const std::vector<bool>& is_object, KeptCheckpoint& kept, const CommonOptions& common) {
+  const View view = choose_view(options, input.lit);
+  if (input.lit.lights.empty()) print_note(common, fmt::format("warning: nothing in {} emits light", options.scene));
+  RenderParams params;
+  apply(options.quality, params);
+  params.seed = options.seed;
+  params.threads = thread_count(common);
+  Progress progress(common, "rendering", options.quality.is_adaptive() ? "per mille" : "samples");
+  const std::uint64_t total =
+      options.quality.is_adaptive()
+          ? 1000
+          : std::uint64_t(options.quality.samples) * std::uint64_t(view.width) * std::uint64_t(view.height);
+  params.progress = [&](double fraction) { progress.update(std::uint64_t(fraction * double(total)), total); };
+  std::optional<PictureCheckpoint> checkpoint;
+  if (const auto policy = kept.policy(progress)) checkpoint.emplace(*policy, params);
+  return method.render({input, view, params, is_object, options.indirect_only, common});
 }
 
 // "direct, gather" for "--grid".
@@ -134,6 +163,8 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
     throw UsageError("--method " + options.method + " lights by an environment: give --env");
   if (method.direct_only && options.indirect_only)
     throw UsageError("--method " + options.method + " renders direct light: --indirect-only leaves nothing");
+  if (options.checkpoint.is_given && options.checkpoint.minutes > 0 && options.quality.max_seconds)
+    throw UsageError("--checkpoint: what --max-time decides by the clock cannot be gone on from; give one of the two");
   if (method.check) method.check();
   std::set<std::filesystem::path> files;
   for (const std::string& output : options.outputs) {
@@ -154,17 +185,24 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
                   });
   is_object.resize(input.lit.scene->instances.size(), false);
 
+  CheckpointOptions checkpoint = options.checkpoint;
+  if (options.quality.max_seconds) checkpoint.minutes = 0;
+  KeptCheckpoint kept(checkpoint, fs::path(options.outputs.front()).replace_extension(".exr").string(),
+                      identity(options, method, input), common, "samples");
   const auto start = std::chrono::steady_clock::now();
-  const Rendered rendered = render(options, method, input, is_object, common);
+  const Rendered rendered = render(options, method, input, is_object, kept, common);
+  kept.baked();
   const Film& film = rendered.film;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
   std::vector<std::string> warnings = judge(options, input.lit, film);
   warnings.insert(warnings.end(), rendered.doubts.begin(), rendered.doubts.end());
+  for (const std::string& doubt : doubts(options.quality, film)) warnings.push_back(doubt);
   print_warnings(common, warnings);
 
   Metadata metadata = describe(options, method, input);
   metadata.insert(rendered.found.begin(), rendered.found.end());
+  describe(options.quality, film, metadata);
   const bool any_display = !std::all_of(options.outputs.begin(), options.outputs.end(), is_linear_image);
   const float exposure = options.exposure_stops.value_or(any_display ? auto_exposure(film) : 0);
   for (const std::string& output : options.outputs) {
@@ -185,14 +223,18 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
   result.update(to_json(metadata));
   if (any_display) result["exposure_stops"] = exposure;
   result["mean_radiance_nits"] = {mean[0], mean[1], mean[2]};
+  if (film.noise) result["error"] = noise_json(options.quality, *film.noise);
   result["seconds"] = seconds;
   result["render_seconds"] = film.render_seconds;
   std::vector<std::string> all = input.warnings;
   all.insert(all.end(), warnings.begin(), warnings.end());
   result["warnings"] = all;
-  std::string human = fmt::format("{}: {} x {}, {}, {} samples a pixel, mean {:.4g} {:.4g} {:.4g} nits, {:.2f} s\n",
+  kept.finish(result);
+  std::string human = fmt::format("{}: {} x {}, {}, {}, mean {:.4g} {:.4g} {:.4g} nits, {:.2f} s\n",
                                   fmt::join(options.outputs, ", "), film.width, film.height, options.method,
-                                  options.samples, mean[0], mean[1], mean[2], seconds);
+                                  samples_text(options.quality, film), mean[0], mean[1], mean[2], seconds);
+  human += noise_text(options.quality, film);
+  if (film.noise && !method.noise_note.empty()) human += "(" + method.noise_note + ")\n";
   if (any_display) human += fmt::format("exposure {:+.2f} stops\n", exposure);
   print_result(common, result, human);
 }
@@ -210,7 +252,7 @@ void add_render_command(Command app, CommonOptions& common) {
       .required()
       .type_name("IMAGE");
   Option method_option = command.add_option("--method", options->method);
-  command.add_count("--samples", options->samples, 1, "Samples a pixel");
+  add_quality_options(command, options->quality);
   command.add_count("--seed", options->seed, "Seed of the random numbers");
   command.add_image_size("--size", options->size, "Size of the picture in pixels");
   command
@@ -242,6 +284,11 @@ void add_render_command(Command app, CommonOptions& common) {
           "Adds a spherical light: place and radius in metres, radiance in nits; may be repeated")
       .repeated()
       .type_name("X,Y,Z,RADIUS,R,G,B");
+  add_checkpoint_option(
+      command, options->checkpoint,
+      "Keeps what is rendered so far in OUT.checkpoint.exr, so often and at Ctrl-C or SIGTERM: a picture\n"
+      "to look at meanwhile, from which the same command goes on after whatever stopped it, to the same\n"
+      "bytes. 0 keeps none");
   auto methods = std::make_shared<std::vector<RenderMethod>>();
   methods->push_back(make_path_method(command));
   const auto grid = add_grid_options(command, "Baked grid of indirect light");
@@ -261,14 +308,16 @@ void add_render_command(Command app, CommonOptions& common) {
   for (const auto& [option, readers] : readers_of_options(*methods))
     command.get_option(option).group("For --method " + readers);
   command.footer(
-      "The same command gives the same bytes with any --threads.\n"
+      "The same command gives the same bytes with any --threads, but for --max-time.\n"
       "--json: render_seconds is the wall time of the picture's rays and shading alone, the same for all methods;\n"
       "seconds adds what the method loads or makes for the picture: the grid, the photon map, tables of lobes, sphere\n"
       "sets, occluders, cube maps. Neither counts loading the scene and writing the picture.\n"
       "\nExamples:\n"
       "  ivory render room.glb -o room.exr -o room.png --samples 256\n"
+      "  ivory render room.glb -o room.exr --target-error 2%\n"
       "  ivory render room.glb -o room.png --method gather --grid room.vdb --samples 16 --gather 16");
   set_action(command, common, Output::file, [command, options, methods, &common] {
+    check(command, options->quality);
     note_ignored(command, *options, *methods, common);
     const auto chosen = std::find_if(methods->begin(), methods->end(),
                                      [&](const RenderMethod& method) { return method.name == options->method; });
