@@ -49,4 +49,14 @@ inline void wait_for(BackgroundRun& run, const std::function<bool()>& what) {
   while (run.is_running() && !what()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
 }
 
+// Another file than there was before the run.
+inline void wait_for_checkpoint(BackgroundRun& run, const fs::path& checkpoint, fs::file_time_type before) {
+  std::error_code gone;  // renamed at this moment
+  wait_for(run, [&] { return fs::exists(checkpoint, gone) && fs::last_write_time(checkpoint, gone) != before; });
+}
+
+inline fs::file_time_type written(const fs::path& checkpoint) {
+  return fs::exists(checkpoint) ? fs::last_write_time(checkpoint) : fs::file_time_type::min();
+}
+
 }  // namespace ivory::script

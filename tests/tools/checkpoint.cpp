@@ -12,16 +12,6 @@ namespace {
 
 const std::string room = std::string(source_folder) + "/scenes/room_boxes.gltf";
 
-// Another than there was before the bake.
-void wait_for_checkpoint(BackgroundRun& bake, const fs::path& checkpoint, fs::file_time_type before) {
-  std::error_code gone;  // renamed at this moment
-  wait_for(bake, [&] { return fs::exists(checkpoint, gone) && fs::last_write_time(checkpoint, gone) != before; });
-}
-
-fs::file_time_type written(const fs::path& checkpoint) {
-  return fs::exists(checkpoint) ? fs::last_write_time(checkpoint) : fs::file_time_type::min();
-}
-
 // Photons in the checkpoint.
 std::int64_t done(const fs::path& folder) {
   const Outcome outcome = ivory(folder, "info x.checkpoint.vdb --json");

@@ -38,7 +38,7 @@ void refuse_checkpoint_option(Command command) {
       .add_option(
           "--checkpoint",
           [](const std::string&) {
-            throw UsageError("--checkpoint: this bake keeps none; only 'ivory bake grid' and 'ivory render' do");
+            throw UsageError("--checkpoint: this bake keeps none; only 'ivory bake grid' does");
           },
           "Refused")
       .group("");

@@ -20,7 +20,8 @@ FileKind file_kind(const std::string& path) {
   if (const std::string kind = json_asset_kind(path); !kind.empty()) return from_name<FileKind>(kind);
   if (is_sh9_name(path)) return FileKind::sh9;
   const std::string kind = exr_asset_kind(path);
-  if (kind.empty()) return FileKind::image;
+  // Of 'ivory render --checkpoint': a picture, with more in it.
+  if (kind.empty() || kind == "render_checkpoint") return FileKind::image;
   if (const auto known = find_by_name<FileKind>(kind)) return *known;
   throw Error(path, "holds an asset of kind '" + kind + "', which is unknown", "use a newer ivory");
 }

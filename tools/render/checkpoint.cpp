@@ -54,16 +54,17 @@ void write_film_sums(const std::string& path, const FilmSums& sums, const Metada
   for (const auto& [key, value] : identity) asset.metadata["picture_" + key] = value;
   asset.metadata["units"] = std::string("nits");
   asset.metadata["halves"] = std::int64_t(sums.halves);
-  asset.metadata["channels"] = std::int64_t(sums.channels);
+  asset.metadata["channels_a_half"] = std::int64_t(sums.channels);
   asset.metadata["rounds"] = std::int64_t(sums.rounds);
   asset.metadata["seconds"] = sums.seconds;
+  asset.metadata["samples_mean"] = double(count(sums.samples, sums.halves)) / double(sums.pixel_count());
   write_exr(path, asset, ExrPrecision::float32, /*force=*/true);
 }
 
 StoredSums read_film_sums(const std::string& path) {
   ExrAsset asset = read_exr(path, kind, remedy);
   const auto halves = find_int(asset.metadata, "halves");
-  const auto channels = find_int(asset.metadata, "channels");
+  const auto channels = find_int(asset.metadata, "channels_a_half");
   const auto rounds = find_int(asset.metadata, "rounds");
   const auto seconds = find_number(asset.metadata, "seconds");
   const bool sound = halves && (*halves == 1 || *halves == 2) && channels &&
@@ -108,7 +109,7 @@ PictureCheckpoint::PictureCheckpoint(const CheckpointPolicy& policy, RenderParam
     : policy_(policy), clock_(policy.every_s) {
   params.wants_pause = [this] {
     if (policy_.stop && policy_.stop()) is_to_stop_ = true;
-    return is_to_stop_ || clock_.is_due();
+    return is_to_stop_ ? PauseWish::at_once : clock_.is_due() ? PauseWish::soon : PauseWish::none;
   };
   params.pause = [this](const FilmSums& sums) { pause(sums); };
   std::error_code unreadable;  // then reading it says why

@@ -33,24 +33,29 @@ double seconds_since(Clock::time_point then) { return std::chrono::duration<doub
 class Pause {
  public:
   Pause(const RenderParams& params, Clock::time_point deadline) : params_(params), deadline_(deadline) {}
-  bool asked() {
-    if (asked_.load(std::memory_order_relaxed)) return true;
+  PauseWish wish() {
+    if (wish_.load(std::memory_order_relaxed) == PauseWish::at_once) return PauseWish::at_once;
     const Clock::time_point now = Clock::now();
-    if (now.time_since_epoch().count() < next_look_.load(std::memory_order_relaxed)) return false;
+    if (now.time_since_epoch().count() < next_look_.load(std::memory_order_relaxed)) return wish_;
     const std::unique_lock lock(mutex_, std::try_to_lock);
-    if (!lock.owns_lock()) return false;
+    if (!lock.owns_lock()) return wish_;
     next_look_ = (now + std::chrono::milliseconds(10)).time_since_epoch().count();
     if (now >= deadline_) out_of_time_ = true;
-    if (out_of_time_ || (params_.wants_pause && params_.wants_pause())) asked_ = true;
-    return asked_;
+    const PauseWish asked = params_.wants_pause ? params_.wants_pause() : PauseWish::none;
+    if (out_of_time_ || asked == PauseWish::at_once) {
+      wish_ = PauseWish::at_once;
+    } else if (asked == PauseWish::soon) {
+      wish_ = PauseWish::soon;
+    }
+    return wish_;
   }
   bool out_of_time() const { return out_of_time_; }
-  void reset() { asked_ = false; }
+  void reset() { wish_ = PauseWish::none; }
 
  private:
   const RenderParams& params_;
   Clock::time_point deadline_;
-  std::atomic<bool> asked_{false};
+  std::atomic<PauseWish> wish_{PauseWish::none};
   bool out_of_time_ = false;
   std::mutex mutex_;
   std::atomic<Clock::rep> next_look_{0};
@@ -174,6 +179,7 @@ class FilmRenderer {
                          (params_.adaptive ? progress_scale_ : progress_scale_ / sums_.halves);
     std::atomic<double> done{0};
     std::atomic<bool> complete{true};
+    std::atomic<bool> visited{false};
     const auto render_tile = [&](const tbb::blocked_range2d<int>& range) {
       double finished = 0;
       for (int y = range.rows().begin(); y < range.rows().end(); ++y) {
@@ -181,10 +187,13 @@ class FilmRenderer {
           const std::size_t i = std::size_t(y) * std::size_t(view_.width) + std::size_t(x);
           const std::uint32_t wanted_here = sums_.goal[i] - sums_.samples[i];
           if (wanted_here == 0) continue;
-          if (!visit(x, y, i, pause)) {
+          // Pauses that are in no hurry come after some pixel: however often, they let the picture go on.
+          const bool ended = pausable_ && visited.load(std::memory_order_relaxed) && pause.wish() != PauseWish::none;
+          if (ended || !visit(x, y, i, pause)) {
             complete = false;
             return;
           }
+          visited.store(true, std::memory_order_relaxed);
           finished += wanted_here;
         }
       }
@@ -216,7 +225,7 @@ class FilmRenderer {
       if (first > 0) random = stream(2 * std::uint64_t(first) + std::uint64_t(half));
       double* sum = &added[std::size_t(half * FilmSums::channels_with_features)];
       for (std::uint32_t i = first; i < sums_.goal[pixel]; ++i) {
-        if (pausable_ && i % samples_a_look == 0 && pause.asked()) return false;
+        if (pausable_ && i % samples_a_look == 0 && pause.wish() == PauseWish::at_once) return false;
         random.begin_sample(i, key, even_calls);
         Ray ray = make_ray(view_, V2f(float(x), float(y)) + random.next2());
         ray.coverage_seed = random.next_u32();

@@ -13,6 +13,12 @@
 
 namespace ivory {
 
+enum class PauseWish {
+  none,
+  soon,    // when each thread has done the samples of a pixel that it is at
+  at_once  // those are given up
+};
+
 struct RenderParams {
   int samples = 64;  // a pixel; `adaptive` has its own
   std::uint64_t seed = 1;
@@ -28,10 +34,9 @@ struct RenderParams {
 
   // Of the same view and parameters: goes on from there, to the same bytes.
   std::optional<FilmSums> begin_with = std::nullopt;
-  // Asked many times a second, from any thread, one at a time. True: within some milliseconds (or one sample of each
-  // thread) rendering pauses and `pause` is called in the caller's thread; then it goes on. What `pause` throws ends
-  // it.
-  std::function<bool()> wants_pause = nullptr;
+  // Asked many times a second, from any thread, one at a time. Where it wishes so rendering pauses and `pause` is
+  // called in the caller's thread; then it goes on. What `pause` throws ends it.
+  std::function<PauseWish()> wants_pause = nullptr;
   std::function<void(const FilmSums&)> pause = nullptr;
 };
 

@@ -172,7 +172,8 @@ TEST(Adaptive, PausesLeaveNoTrace) {
       using std::runtime_error::runtime_error;
     };
     params.threads = 2;
-    params.wants_pause = [] { return true; };
+    int wishes = 0;  // one thread at a time asks
+    params.wants_pause = [&] { return ++wishes % 2 == 0 ? PauseWish::at_once : PauseWish::soon; };
     int pauses = 0;
     FilmSums kept;
     params.pause = [&](const FilmSums& sums) {
