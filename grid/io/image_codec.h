@@ -38,7 +38,7 @@ class OpenImage {
   virtual std::string read(int channels, PixelType type, void* pixels) = 0;
 };
 
-// What is to be written: three channels, top row first.
+// What is to be written, top row first.
 struct ImageToWrite {
   int width = 0;
   int height = 0;
@@ -46,6 +46,7 @@ struct ImageToWrite {
   const void* pixels = nullptr;
   bool linear = true;  // kept as floats; otherwise 8 bits, sRGB
   Metadata metadata;   // becomes attributes "ivory:<name>" where the format keeps attributes
+  std::vector<std::string> channels = {"R", "G", "B"};  // more than three in OpenEXR alone
 };
 
 class ImageCodec {

@@ -242,7 +242,9 @@ class Codec : public ImageCodec {
       cause = "no format that can be written";
       return {};
     }
-    OIIO::ImageSpec spec(image.width, image.height, 3, image.linear ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8);
+    OIIO::ImageSpec spec(image.width, image.height, int(image.channels.size()),
+                         image.linear ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8);
+    spec.channelnames = image.channels;
     spec.attribute("oiio:ColorSpace", image.linear ? "linear" : "sRGB");
     if (output->format_name() == std::string("openexr")) spec.attribute("compression", "zip");
     // OpenImageIO would store the time of day: the same command is to give the same bytes.

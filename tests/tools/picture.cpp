@@ -1,8 +1,10 @@
 // ivory render to a measured error, and its checkpoints: killed, stopped and gone on from, to the same bytes.
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <csignal>
 
+#include "grid/io/image_codec.h"
 #include "tests/tools/background_run.h"
 
 namespace ivory::script {
@@ -80,6 +82,54 @@ TEST(RenderToAnError, RefusesWhatDoesNotGoTogether) {
     EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
     EXPECT_FALSE(fs::exists(folder / "p.exr"));
   }
+}
+
+// What other programs' denoisers take, and ivory's own.
+TEST(RenderFilter, LayersAndFilterAreInTheFile) {
+  const fs::path folder = scratch_folder("picture_filter");
+  run(folder, small + "-o truth.exr --samples 512 --seed 7");
+  run(folder, small + "-o noisy.exr --samples 16");
+  const Json result = run(folder, small + "-o p.exr -o p.png --samples 16 --filter --layers");
+  EXPECT_LT(result["filter"]["error"], result["filter"]["unfiltered_error"]);
+  EXPECT_LE(result["filter"]["error"], result["filter"]["high"]);
+  EXPECT_LT(true_error(folder, "p.exr"), 0.5 * true_error(folder, "noisy.exr"));
+  const Json info = run(folder, "info p.exr");
+  EXPECT_EQ(info["filter"], "non-local means with features");
+  EXPECT_TRUE(info.contains("filter_error"));
+  std::string cause;
+  const auto image = image_codec().open((folder / "p.exr").string(), cause);
+  ASSERT_TRUE(image) << cause;
+  std::vector<std::string> names = image->header.channel_names;
+  std::sort(names.begin(), names.end());
+  const std::vector<std::string> expected{"B",       "G",        "N.X",      "N.Y",      "N.Z",     "R",
+                                          "Z",       "albedo.B", "albedo.G", "albedo.R", "error.B", "error.G",
+                                          "error.R", "noisy.B",  "noisy.G",  "noisy.R"};
+  EXPECT_EQ(names, expected);
+  const std::size_t count = names.size();
+  std::vector<float> pixels(count * 64 * 48);
+  ASSERT_EQ(image->read(int(count), PixelType::float32, pixels.data()), "");
+  const auto channel = [&](const std::string& name) {
+    const std::vector<std::string>& in_file = image->header.channel_names;
+    return std::size_t(std::find(in_file.begin(), in_file.end(), name) - in_file.begin());
+  };
+  // The room is closed and of one albedo, normals are unit vectors but where two faces share a pixel.
+  int unit = 0;
+  double albedo = 0;
+  for (std::size_t i = 0; i < 64 * 48; ++i) {
+    const float* pixel = &pixels[i * count];
+    const float x = pixel[channel("N.X")];
+    const float y = pixel[channel("N.Y")];
+    const float z = pixel[channel("N.Z")];
+    if (std::abs(x * x + y * y + z * z - 1) < 1e-4F) ++unit;
+    EXPECT_GT(pixel[channel("Z")], 0);
+    EXPECT_LT(pixel[channel("Z")], 20);
+    albedo += double(pixel[channel("albedo.G")]) / (64 * 48);
+  }
+  EXPECT_GT(unit, 0.8 * 64 * 48);
+  EXPECT_NEAR(albedo, 0.7, 0.01);
+  const Outcome outcome = ivory(folder, small + "-o q.png --layers");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_NE(outcome.err.find("only .exr keeps layers"), std::string::npos) << outcome.err;
 }
 
 const fs::path checkpoint_name = "p.checkpoint.exr";

@@ -21,6 +21,7 @@
 #include "tools/input/objects.h"
 #include "tools/input/scene.h"
 #include "tools/render/checkpoint.h"
+#include "tools/render/finish.h"
 #include "tools/render/method.h"
 #include "tools/render/quality.h"
 #include "tracer/bake/field/grid_checkpoint.h"
@@ -42,6 +43,7 @@ struct RenderOptions {
   std::vector<SphereLightOption> sphere_lights;
   std::vector<std::string> sphere_light_texts;
   QualityOptions quality;
+  FinishOptions finish;
   CheckpointOptions checkpoint;
   std::uint64_t seed = 1;
   Imath::V2i size{640, 480};
@@ -117,6 +119,7 @@ Rendered render(const RenderOptions& options, const RenderMethod& method, const 
   if (input.lit.lights.empty()) print_note(common, fmt::format("warning: nothing in {} emits light", options.scene));
   RenderParams params;
   apply(options.quality, params);
+  apply(options.finish, input.lit, params);
   params.seed = options.seed;
   params.threads = thread_count(common);
   Progress progress(common, "rendering", options.quality.is_adaptive() ? "per mille" : "samples");
@@ -190,9 +193,11 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
   KeptCheckpoint kept(checkpoint, fs::path(options.outputs.front()).replace_extension(".exr").string(),
                       identity(options, method, input), common, "samples");
   const auto start = std::chrono::steady_clock::now();
-  const Rendered rendered = render(options, method, input, is_object, kept, common);
+  Rendered rendered = render(options, method, input, is_object, kept, common);
   kept.baked();
-  const Film& film = rendered.film;
+  Film& film = rendered.film;
+  const std::optional<FilteredFilm> filtered = filter(options.finish, film, thread_count(common));
+  if (filtered) film.pixels = filtered->film.pixels;
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
   std::vector<std::string> warnings = judge(options, input.lit, film);
@@ -203,12 +208,14 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
   Metadata metadata = describe(options, method, input);
   metadata.insert(rendered.found.begin(), rendered.found.end());
   describe(options.quality, film, metadata);
+  if (filtered) describe(*filtered, metadata);
   const bool any_display = !std::all_of(options.outputs.begin(), options.outputs.end(), is_linear_image);
   const float exposure = options.exposure_stops.value_or(any_display ? auto_exposure(film) : 0);
+  const std::vector<ImageChannel> more = layers(options.finish, film);
   for (const std::string& output : options.outputs) {
     Metadata own = metadata;
     if (!is_linear_image(output)) own["exposure_stops"] = double(exposure);
-    write_image(output, film, exposure, own, common.force);
+    write_image(output, film, exposure, own, common.force, more);
   }
 
   double mean[3] = {0, 0, 0};
@@ -224,6 +231,7 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
   if (any_display) result["exposure_stops"] = exposure;
   result["mean_radiance_nits"] = {mean[0], mean[1], mean[2]};
   if (film.noise) result["error"] = noise_json(options.quality, *film.noise);
+  if (filtered) result["filter"] = filter_json(*filtered);
   result["seconds"] = seconds;
   result["render_seconds"] = film.render_seconds;
   std::vector<std::string> all = input.warnings;
@@ -234,6 +242,7 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
                                   fmt::join(options.outputs, ", "), film.width, film.height, options.method,
                                   samples_text(options.quality, film), mean[0], mean[1], mean[2], seconds);
   human += noise_text(options.quality, film);
+  if (filtered) human += filter_text(*filtered);
   if (film.noise && !method.noise_note.empty()) human += "(" + method.noise_note + ")\n";
   if (any_display) human += fmt::format("exposure {:+.2f} stops\n", exposure);
   print_result(common, result, human);
@@ -253,6 +262,7 @@ void add_render_command(Command app, CommonOptions& common) {
       .type_name("IMAGE");
   Option method_option = command.add_option("--method", options->method);
   add_quality_options(command, options->quality);
+  add_finish_options(command, options->finish);
   command.add_count("--seed", options->seed, "Seed of the random numbers");
   command.add_image_size("--size", options->size, "Size of the picture in pixels");
   command
@@ -318,6 +328,7 @@ void add_render_command(Command app, CommonOptions& common) {
       "  ivory render room.glb -o room.png --method gather --grid room.vdb --samples 16 --gather 16");
   set_action(command, common, Output::file, [command, options, methods, &common] {
     check(command, options->quality);
+    check(options->finish, options->outputs);
     note_ignored(command, *options, *methods, common);
     const auto chosen = std::find_if(methods->begin(), methods->end(),
                                      [&](const RenderMethod& method) { return method.name == options->method; });

@@ -21,6 +21,7 @@ FirstHit FilmSums::first_hit(int half, std::size_t pixel) const {
   const float* rest = &sums[std::size_t(half)][pixel * std::size_t(channels) + 9];
   first.depth_m = rest[1] > 0 ? rest[0] / rest[1] : 0;
   first.hit = rest[1] / float(samples[pixel]);
+  first.emits = rest[2] / float(samples[pixel]);
   return first;
 }
 
@@ -32,6 +33,7 @@ FirstHit FilmSums::first_hit(std::size_t pixel) const {
   both.albedo = (a.albedo + b.albedo) * 0.5F;
   both.normal = (a.normal + b.normal) * 0.5F;
   both.hit = (a.hit + b.hit) * 0.5F;
+  both.emits = (a.emits + b.emits) * 0.5F;
   both.depth_m = both.hit > 0 ? (a.depth_m * a.hit + b.depth_m * b.hit) / (a.hit + b.hit) : 0;
   return both;
 }

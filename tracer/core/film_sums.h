@@ -14,6 +14,7 @@ struct FirstHit {
   Rgb albedo{1, 1, 1};  // diffuse and specular reflectance; 1 where nothing is hit or it shines by itself
   V3f normal{0, 0, 0};  // unit shading normal, world, towards the eye; 0 where nothing is hit
   float depth_m = 0;    // along the camera's axis
+  float emits = 0;      // 1 where it shines by itself, else 0
   float hit = 0;        // 1, or 0 where nothing is: depth_m does not count then
 };
 
@@ -21,7 +22,7 @@ struct FirstHit {
 // pixel was visited. The same visits give the same bits.
 struct FilmSums {
   static constexpr int radiance_channels = 3;
-  static constexpr int channels_with_features = 11;  // radiance, albedo, normal, depth, hit
+  static constexpr int channels_with_features = 12;  // radiance, albedo, normal, depth, hit, emits
 
   int width = 0;
   int height = 0;

@@ -34,11 +34,11 @@ bool is_linear_image(const std::string& path) {
 
 namespace {
 
-// Three channels from `pixels`, whose values are of the type `type`.
+// Channels from `pixels`, whose values are of the type `type`.
 void write_pixels(const std::string& path, int width, int height, PixelType type, const void* pixels,
-                  const Metadata& metadata, bool force) {
+                  const Metadata& metadata, bool force, const std::vector<std::string>& channels = {"R", "G", "B"}) {
   check_image_name(path);
-  const ImageToWrite image{width, height, type, pixels, is_linear_image(path), metadata};
+  const ImageToWrite image{width, height, type, pixels, is_linear_image(path), metadata, channels};
   std::string cause;
   const std::vector<std::uint8_t> bytes = image_codec().encode(path, image, cause);
   if (bytes.empty()) throw Error(path, "cannot be written (" + cause + ")", "end it in .exr or .png");
@@ -58,8 +58,20 @@ std::vector<float> display_values(const Film& film, float exposure_stops) {
   return display;
 }
 
-void write_image(const std::string& path, const Film& film, float exposure_stops, const Metadata& metadata,
-                 bool force) {
+void write_image(const std::string& path, const Film& film, float exposure_stops, const Metadata& metadata, bool force,
+                 const std::vector<ImageChannel>& more) {
+  if (!more.empty() && lower_extension(path) == ".exr") {
+    std::vector<std::string> channels{"R", "G", "B"};
+    for (const ImageChannel& channel : more) channels.push_back(channel.name);
+    std::vector<float> values;
+    values.reserve(film.pixels.size() * channels.size());
+    for (std::size_t i = 0; i < film.pixels.size(); ++i) {
+      for (int c = 0; c < 3; ++c) values.push_back(film.pixels[i][c]);
+      for (const ImageChannel& channel : more) values.push_back(channel.values[i]);
+    }
+    write_pixels(path, film.width, film.height, PixelType::float32, values.data(), metadata, force, channels);
+    return;
+  }
   if (is_linear_image(path)) {
     write_pixels(path, film.width, film.height, PixelType::float32, &film.pixels.front().x, metadata, force);
     return;

@@ -18,10 +18,18 @@ bool is_linear_image(const std::string& path);
 // Throws Error where the extension names no image format: to be asked before hours of rendering.
 void check_image_name(const std::string& path);
 
+// One more channel of a picture.
+struct ImageChannel {
+  std::string name;           // "albedo.R"
+  std::vector<float> values;  // height x width, top row first
+};
+
 // Writes float linear RGB, or 8-bit sRGB after 2^exposure_stops and tone_map(). Every entry of `metadata`
-// becomes an attribute "ivory:<name>" where the format keeps attributes. Whole or not at all; throws Error where
-// the file exists and not `force`, cannot be written, or its format is unknown.
-void write_image(const std::string& path, const Film& film, float exposure_stops, const Metadata& metadata, bool force);
+// becomes an attribute "ivory:<name>" where the format keeps attributes. OpenEXR keeps `more` beside R, G and B; other
+// formats leave it out. Whole or not at all; throws Error where the file exists and not `force`, cannot be written, or
+// its format is unknown.
+void write_image(const std::string& path, const Film& film, float exposure_stops, const Metadata& metadata, bool force,
+                 const std::vector<ImageChannel>& more = {});
 
 // What write_image() puts into the others before it is rounded: height x width x 3, sRGB from 0 to 1.
 std::vector<float> display_values(const Film& film, float exposure_stops);

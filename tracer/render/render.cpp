@@ -68,7 +68,8 @@ FirstHit first_hit(const LitScene& lit, const View& view, const Ray& ray) {
   const Surface surface = make_surface(*lit.scene, ray, *hit);
   // f0 is what the microfacet lobe reflects of most of what is seen, all but grazing angles.
   const Rgb albedo = surface.diffuse_albedo + surface.specular_f0;
-  if (is_black(surface.emission)) first.albedo = albedo;
+  first.emits = is_black(surface.emission) ? 0.0F : 1.0F;
+  if (first.emits == 0) first.albedo = albedo;
   first.normal = surface.ns;
   first.depth_m = hit->t * ray.direction.dot(view.forward);
   first.hit = 1;
@@ -237,6 +238,7 @@ class FilmRenderer {
         for (int c = 0; c < 3; ++c) sum[6 + c] += double(hit.normal[c]);
         sum[9] += double(hit.depth_m);
         sum[10] += double(hit.hit);
+        sum[11] += double(hit.emits);
       }
     }
     for (int half = 0; half < sums_.halves; ++half) {

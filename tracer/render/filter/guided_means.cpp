@@ -1,12 +1,14 @@
-#include "tracer/render/filter.h"
+#include "tracer/render/filter/guided_means.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <utility>
 
 #include <tbb/blocked_range2d.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+
+#include "tracer/render/filter/box_mean.h"
 
 namespace ivory {
 
@@ -17,18 +19,9 @@ constexpr float least_albedo = 0.02F;   // that light is divided by
 constexpr int features = 8;             // albedo, normal, logarithm of depth, hit
 constexpr float feature_scale = 0.6F;   // k_f of Rousselle 2013
 constexpr float feature_floor = 1e-3F;  // tau: differences of squares under it are none
-constexpr int error_radius = 5;         // over which e is averaged before it is believed
-
-struct Candidate {
-  float color_scale;  // k: how far light may differ, in standard deviations of its noise; 0: whatever it does
-  int radius;         // at most that of the parameters
-};
-constexpr std::array candidates{Candidate{0.5F, 99}, Candidate{1, 99}, Candidate{0, 99}, Candidate{0, 2}};
-constexpr std::size_t none = candidates.size();
-constexpr std::size_t choices = candidates.size() + 1;
 
 using Feature = std::array<float, features>;
-using Halves = std::array<std::vector<Rgb>, 2>;
+using Halves = LightHalves;
 
 Feature feature_of(const FirstHit& first) {
   // Ratios of depths count; what is not hit differs by `hit`.
@@ -40,33 +33,6 @@ Feature feature_of(const FirstHit& first) {
 float square(float x) { return x * x; }
 Rgb square(const Rgb& c) { return c * c; }
 
-// Means over squares of 2 radius + 1 pixels, of those in the picture.
-template <typename T>
-std::vector<T> box_mean(const std::vector<T>& values, int width, int height, int radius) {
-  std::vector<T> rows(values.size());
-  std::vector<T> means(values.size());
-  const auto at = [&](int x, int y) { return std::size_t(y) * std::size_t(width) + std::size_t(x); };
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      T sum = values[at(x, y)] * 0.0F;
-      const int begin = std::max(0, x - radius);
-      const int end = std::min(width - 1, x + radius);
-      for (int i = begin; i <= end; ++i) sum += values[at(i, y)];
-      rows[at(x, y)] = sum * (1.0F / float(end - begin + 1));
-    }
-  }
-  for (int y = 0; y < height; ++y) {
-    const int begin = std::max(0, y - radius);
-    const int end = std::min(height - 1, y + radius);
-    for (int x = 0; x < width; ++x) {
-      T sum = values[at(x, y)] * 0.0F;
-      for (int i = begin; i <= end; ++i) sum += rows[at(x, i)];
-      means[at(x, y)] = sum * (1.0F / float(end - begin + 1));
-    }
-  }
-  return means;
-}
-
 struct Prepared {
   int width = 0;
   int height = 0;
@@ -76,6 +42,9 @@ struct Prepared {
   std::vector<Feature> feature;        // of both halves
   std::vector<Feature> feature_slack;  // what squared differences are measured by
   std::vector<Feature> feature_variance;
+  // Something that shines by itself is seen in the pixel: at a lamp's edge noise is of its outline, and no other pixel
+  // knows that. Left as it is, and averaged into none.
+  std::vector<bool> shines;
 
   std::size_t at(int x, int y) const { return std::size_t(y) * std::size_t(width) + std::size_t(x); }
 };
@@ -93,6 +62,7 @@ Prepared prepare(const FilmSums& sums) {
   for (std::size_t i = 0; i < count; ++i) {
     const FirstHit a = sums.first_hit(0, i);
     const FirstHit b = sums.first_hit(1, i);
+    p.shines.push_back(a.emits + b.emits > 0);
     Rgb albedo = (a.albedo + b.albedo) * 0.5F;
     for (int c = 0; c < 3; ++c) albedo[c] = std::max(albedo[c], least_albedo);
     p.albedo.push_back(albedo);
@@ -106,8 +76,16 @@ Prepared prepare(const FilmSums& sums) {
       p.feature_variance[i][f] = 0.25F * square(fa[f] - fb[f]);
     }
   }
+  // Lamps' edges are not to be taken for noise of the walls beside them.
+  std::vector<float> known(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    known[i] = p.shines[i] ? 0.0F : 1.0F;
+    p.variance[i] *= known[i];
+  }
   p.variance = box_mean(p.variance, p.width, p.height, 2);
-  for (std::size_t i = 0; i < count; ++i) p.variance[i] *= 1 / float(sums.samples[i]);
+  known = box_mean(known, p.width, p.height, 2);
+  for (std::size_t i = 0; i < count; ++i)
+    p.variance[i] *= known[i] > 0 ? 1 / (known[i] * float(sums.samples[i])) : 0.0F;
   // Slopes: where a feature changes evenly, as on a curved surface, a step along it is no edge.
   p.feature_slack.resize(count);
   for (int y = 0; y < p.height; ++y) {
@@ -161,8 +139,9 @@ class Tile {
     py0_ = std::max(0, y0 - patch);
     py1_ = std::min(p.height, y1 + patch);
     const auto padded = std::size_t(px1_ - px0_) * std::size_t(py1_ - py0_);
-    distance_.resize(padded);
+    raw_.resize(padded);
     rows_.resize(padded);
+    distance_.resize(padded);
     sums_.assign(2 * candidates.size() * std::size_t(x1 - x0) * std::size_t(y1 - y0), Rgb(0, 0, 0));
     weights_.assign(sums_.size(), 0);
   }
@@ -196,7 +175,9 @@ class Tile {
     return std::size_t(y - py0_) * std::size_t(px1_ - px0_) + std::size_t(x - px0_);
   }
 
-  // distance_ becomes the mean of light_distance() over the patches around each pixel and the one at (dx, dy) from it.
+  // distance_ becomes the mean of light_distance() over the patches around each pixel and the one at (dx, dy) from it,
+  // but for pairs that the pixel itself is in: what it is averaged with does not hang on its own light, with which the
+  // result is to be compared.
   void average_distances(const std::vector<Rgb>& light, int dx, int dy) {
     const int left = std::max(px0_, -dx);
     const int right = std::min(px1_, p_.width - dx);
@@ -204,26 +185,31 @@ class Tile {
     const int bottom = std::min(py1_, p_.height - dy);
     for (int y = top; y < bottom; ++y) {
       for (int x = left; x < right; ++x)
-        rows_[padded(x, y)] = light_distance(p_, light, p_.at(x, y), p_.at(x + dx, y + dy));
+        raw_[padded(x, y)] = light_distance(p_, light, p_.at(x, y), p_.at(x + dx, y + dy));
     }
-    std::vector<float>& sums = distance_;
     for (int y = top; y < bottom; ++y) {
       for (int x = left; x < right; ++x) {
         float sum = 0;
-        const int begin = std::max(left, x - patch);
-        const int end = std::min(right - 1, x + patch);
-        for (int i = begin; i <= end; ++i) sum += rows_[padded(i, y)];
-        sums[padded(x, y)] = sum / float(end - begin + 1);
+        for (int i = std::max(left, x - patch); i <= std::min(right - 1, x + patch); ++i) sum += raw_[padded(i, y)];
+        rows_[padded(x, y)] = sum;
       }
     }
-    std::swap(distance_, rows_);
+    const auto length = [](int at, int begin, int end) {
+      return std::min(end - 1, at + patch) - std::max(begin, at - patch) + 1;
+    };
+    const bool meets_itself = std::abs(dx) <= patch && std::abs(dy) <= patch;
     for (int y = top; y < bottom; ++y) {
-      const int begin = std::max(top, y - patch);
-      const int end = std::min(bottom - 1, y + patch);
       for (int x = left; x < right; ++x) {
-        float sum = 0;
-        for (int i = begin; i <= end; ++i) sum += rows_[padded(x, i)];
-        distance_[padded(x, y)] = sum / float(end - begin + 1);
+        float sum = -raw_[padded(x, y)];
+        for (int i = std::max(top, y - patch); i <= std::min(bottom - 1, y + patch); ++i) sum += rows_[padded(x, i)];
+        int count = length(x, left, right) * length(y, top, bottom) - 1;
+        const int ox = x - dx;
+        const int oy = y - dy;
+        if (meets_itself && ox >= left && ox < right && oy >= top && oy < bottom) {
+          sum -= raw_[padded(ox, oy)];
+          --count;
+        }
+        distance_[padded(x, y)] = count > 0 ? sum / float(count) : 0;
       }
     }
   }
@@ -231,6 +217,7 @@ class Tile {
   void add(std::size_t half, int x, int y, int dx, int dy) {
     const std::size_t i = p_.at(x, y);
     const std::size_t j = p_.at(x + dx, y + dy);
+    if (i != j && (p_.shines[i] || p_.shines[j])) return;
     const float by_features = i == j ? 0 : feature_distance(p_, i, j);
     if (by_features > 8) return;  // e^-8: nothing
     const float by_light = std::max(0.0F, distance_[padded(x, y)]);
@@ -248,26 +235,27 @@ class Tile {
   const Prepared& p_;
   int x0_, x1_, y0_, y1_;
   int px0_, px1_, py0_, py1_;  // with patches
-  std::vector<float> distance_;
+  std::vector<float> raw_;
   std::vector<float> rows_;
+  std::vector<float> distance_;
   std::vector<Rgb> sums_;
   std::vector<float> weights_;
 };
 
-Filtered filter_all(const Prepared& p, const FilterParams& params) {
+Filtered filter_all(const Prepared& p, int radius, int threads) {
   Filtered filtered;
   for (Halves& halves : filtered) {
     for (std::vector<Rgb>& half : halves) half.resize(p.albedo.size());
   }
   constexpr int side = 32;
-  tbb::task_arena arena(params.threads > 0 ? params.threads : tbb::task_arena::automatic);
+  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   arena.execute([&] {
     tbb::parallel_for(
         tbb::blocked_range2d<int>(0, p.height, side, 0, p.width, side),
         [&](const tbb::blocked_range2d<int>& range) {
           Tile tile(p, range.cols().begin(), range.cols().end(), range.rows().begin(), range.rows().end());
-          for (int dy = -params.radius; dy <= params.radius; ++dy) {
-            for (int dx = -params.radius; dx <= params.radius; ++dx) tile.add(dx, dy);
+          for (int dy = -radius; dy <= radius; ++dy) {
+            for (int dx = -radius; dx <= radius; ++dx) tile.add(dx, dy);
           }
           tile.put(filtered);
         },
@@ -276,82 +264,18 @@ Filtered filter_all(const Prepared& p, const FilterParams& params) {
   return filtered;
 }
 
-// e of the file's head, of each channel.
-Rgb squared_error(const Rgb& a, const Rgb& b, const Rgb& filtered_a, const Rgb& filtered_b) {
-  return (square(filtered_a - b) + square(filtered_b - a) - square(a - b)) * 0.5F -
-         square(filtered_a - filtered_b) * 0.25F;
-}
-
-double mean_error(const FilmSums& sums, const Halves& filtered) {
-  double squares = 0;
-  double mean = 0;
-  for (std::size_t i = 0; i < sums.pixel_count(); ++i) {
-    const double a = double(luminance(sums.radiance(0, i)));
-    const double b = double(luminance(sums.radiance(1, i)));
-    const double fa = double(luminance(filtered[0][i]));
-    const double fb = double(luminance(filtered[1][i]));
-    squares += 0.5 * ((fa - b) * (fa - b) + (fb - a) * (fb - a) - (a - b) * (a - b)) - 0.25 * (fa - fb) * (fa - fb);
-    mean += 0.5 * (a + b);
-  }
-  return mean > 0 ? std::sqrt(std::max(0.0, squares * double(sums.pixel_count()))) / mean : 0;
-}
-
 }  // namespace
 
-FilteredFilm filter_film(const FilmSums& sums, const FilterParams& params) {
-  const Prepared p = prepare(sums);
-  const std::size_t count = sums.pixel_count();
-  Filtered filtered = filter_all(p, params);
-  Halves unfiltered;
-  for (int half = 0; half < 2; ++half) {
-    for (std::size_t i = 0; i < count; ++i) unfiltered[std::size_t(half)].push_back(sums.radiance(half, i));
-  }
-  std::vector<std::size_t> best(count, none);
-  std::vector<float> least(count, 0);
-  for (std::size_t k = 0; k < choices; ++k) {
-    std::vector<float> error(count);
-    for (std::size_t i = 0; i < count; ++i) {
-      if (k != none) {
-        for (std::vector<Rgb>& half : filtered[k]) half[i] *= p.albedo[i];
-      }
-      const Halves& light = k == none ? unfiltered : filtered[k];
-      const Rgb e = squared_error(unfiltered[0][i], unfiltered[1][i], light[0][i], light[1][i]);
-      error[i] = e.x + e.y + e.z;
-    }
-    error = box_mean(error, p.width, p.height, error_radius);
-    for (std::size_t i = 0; i < count; ++i) {
-      if (k != 0 && !(error[i] < least[i])) continue;
-      least[i] = error[i];
-      best[i] = k;
+GuidedMeans guided_means(const FilmSums& sums, int radius, int threads) {
+  Prepared p = prepare(sums);
+  GuidedMeans means{filter_all(p, radius, threads), {}};
+  for (LightHalves& halves : means.light) {
+    for (std::vector<Rgb>& half : halves) {
+      for (std::size_t i = 0; i < half.size(); ++i) half[i] *= p.albedo[i];
     }
   }
-  // Choices fade into each other.
-  std::array<std::vector<float>, choices> share;
-  for (std::size_t k = 0; k < choices; ++k) {
-    share[k].resize(count);
-    for (std::size_t i = 0; i < count; ++i) share[k][i] = best[i] == k ? 1.0F : 0.0F;
-    share[k] = box_mean(share[k], p.width, p.height, 2);
-  }
-  Halves chosen;
-  FilteredFilm result;
-  for (std::size_t i = 0; i < count; ++i) {
-    for (std::size_t half = 0; half < 2; ++half) {
-      Rgb light = unfiltered[half][i] * share[none][i];
-      for (std::size_t k = 0; k < candidates.size(); ++k) light += filtered[k][half][i] * share[k][i];
-      chosen[half].push_back(light);
-    }
-    result.filtered_share += double(1 - share[none][i]) / double(count);
-  }
-  result.film = make_film(sums);
-  result.unfiltered_error = mean_error(sums, unfiltered);
-  result.error = mean_error(sums, chosen);
-  if (!(result.error < result.unfiltered_error)) {
-    result.error = result.unfiltered_error;
-    result.filtered_share = 0;
-    return result;
-  }
-  for (std::size_t i = 0; i < count; ++i) result.film.pixels[i] = (chosen[0][i] + chosen[1][i]) * 0.5F;
-  return result;
+  means.shines = std::move(p.shines);
+  return means;
 }
 
 }  // namespace ivory

@@ -13,7 +13,8 @@
 //   e = [(F_A - B)^2 + (F_B - A)^2]/2 - (A - B)^2/2 - (F_A - F_B)^2/4:
 //
 // F_A is compared with what it is not made of, whose variance is taken off; the last term is what the mean of the two
-// is better than each. Its mean is bias and variance both. For F = A it is (A - B)^2/4.
+// is better than each. Its mean is bias and variance both. For F = A it is (A - B)^2/4. That holds where what is done
+// to A at a pixel knows nothing of B there: neither do weights, nor does the choice.
 #pragma once
 
 #include "tracer/core/film_sums.h"
@@ -29,6 +30,7 @@ struct FilteredFilm {
   Film film;
   // Root of the mean of e, luminance ÷ mean luminance, of the filtered and the unfiltered picture. Noise and bias.
   double error = 0;
+  double high = 0;  // with two standard errors more, by how much blocks of the picture differ
   double unfiltered_error = 0;
   double filtered_share = 0;  // of pixels that are not left as they were
 };
