@@ -88,9 +88,11 @@ StoredSums read_film_sums(const std::string& path) {
   const std::size_t samples = index_of("samples");
   const std::size_t goal = index_of("goal");
   for (std::size_t i = 0; i < sums.pixel_count(); ++i) {
+    const float most = value(i, goal);
+    if (!(value(i, samples) >= 0 && value(i, samples) <= most && most <= 0x1p24F))
+      throw Error(path, "has numbers of samples that cannot be", "remove it");
     sums.samples[i] = std::uint32_t(value(i, samples));
-    sums.goal[i] = std::uint32_t(value(i, goal));
-    if (sums.samples[i] > sums.goal[i]) throw Error(path, "has more samples than were wanted", "remove it");
+    sums.goal[i] = std::uint32_t(most);
   }
   for (int half = 0; half < sums.halves; ++half) {
     for (int c = 0; c < sums.channels; ++c) {
@@ -155,7 +157,9 @@ std::string PictureCheckpoint::fault(const StoredSums& found, const RenderParams
   }
   const int halves = params.adaptive || params.halves ? 2 : 1;
   if (found.sums.halves != halves || found.sums.has_features() != (params.first_hits_of != nullptr))
-    return "it keeps other sums";
+    return "its halves or first hits are others";
+  if (find_text(found.identity, "size") != fmt::format("{}x{}", found.sums.width, found.sums.height))
+    return "it has another size than it says";
   return {};
 }
 

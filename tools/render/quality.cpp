@@ -73,6 +73,7 @@ void describe(const QualityOptions& options, const Film& film, Metadata& metadat
   const FilmNoise& noise = *film.noise;
   metadata["noise"] = noise.error.pixel;
   metadata["noise_blocks"] = noise.error.block;
+  metadata["noise_standard_error"] = noise.error.pixel_standard_error;
   metadata["samples_least"] = std::int64_t(noise.least_samples);
   metadata["samples_mean"] = noise.mean_samples;
   metadata["samples_most"] = std::int64_t(noise.most_samples);
@@ -82,8 +83,8 @@ void describe(const QualityOptions& options, const Film& film, Metadata& metadat
 std::string noise_text(const QualityOptions& options, const Film& film) {
   if (!film.noise) return {};
   const FilmNoise& noise = *film.noise;
-  std::string text = fmt::format("noise {} a pixel, {} by blocks of 8x8", format_share(noise.error.pixel),
-                                 format_share(noise.error.block));
+  std::string text = fmt::format("noise {} (+- {}) a pixel, {} by blocks of 8x8", format_share(noise.error.pixel),
+                                 format_share(noise.error.pixel_standard_error), format_share(noise.error.block));
   if (options.target) {
     text += fmt::format(", {} {}", is_met(options, noise) ? "within the asked-for" : "MISSES",
                         format_share(*options.target));
@@ -104,6 +105,7 @@ nlohmann::ordered_json noise_json(const QualityOptions& options, const FilmNoise
   if (options.target) json["target"] = *options.target;
   json["pixel"] = noise.error.pixel;
   json["block"] = noise.error.block;
+  json["pixel_standard_error"] = noise.error.pixel_standard_error;
   if (options.target) json["met"] = is_met(options, noise);
   json["rounds"] = noise.rounds;
   json["out_of_time"] = noise.out_of_time;

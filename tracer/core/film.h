@@ -17,6 +17,7 @@ struct FilmSums;
 struct NoiseError {
   double pixel = 0;
   double block = 0;
+  double pixel_standard_error = 0;  // how well `pixel` is known: badly where few pixels have most of the noise
 };
 
 // How a picture came to its samples, where its noise was measured.

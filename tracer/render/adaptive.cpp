@@ -121,6 +121,7 @@ NoiseError measure_noise(const FilmSums& sums) {
   constexpr int side = 8;
   double mean = 0;
   double pixels = 0;
+  double fourths = 0;
   double blocks = 0;
   for (int y0 = 0; y0 < sums.height; y0 += side) {
     for (int x0 = 0; x0 < sums.width; x0 += side) {
@@ -133,6 +134,7 @@ NoiseError measure_noise(const FilmSums& sums) {
           const double difference = half_difference(sums, i);
           mean += double(luminance(sums.radiance(i)));
           pixels += difference * difference;
+          fourths += difference * difference * difference * difference;
           difference_of_block += difference;
         }
       }
@@ -143,7 +145,11 @@ NoiseError measure_noise(const FilmSums& sums) {
   const auto count = double(sums.pixel_count());
   mean /= count;
   if (!(mean > 0)) return {};
-  return {std::sqrt(pixels / count) / mean, std::sqrt(blocks / count) / mean};
+  // A squared difference of normal variance s has the variance 2 s^2, and its own square the mean 3 s^2; the root of
+  // the sum has half the relative error.
+  const double relative = pixels > 0 ? 0.5 * std::sqrt(2.0 / 3.0 * fourths) / pixels : 0;
+  const double pixel = std::sqrt(pixels / count) / mean;
+  return {pixel, std::sqrt(blocks / count) / mean, relative * pixel};
 }
 
 std::vector<std::uint32_t> plan_round(const FilmSums& sums, const AdaptiveParams& params, double most_new) {
@@ -171,7 +177,8 @@ std::vector<std::uint32_t> plan_round(const FilmSums& sums, const AdaptiveParams
 
   // Averages move variance to where there are more or fewer samples: the scale is the measured one's.
   const double scale = measured / plan.squared_error(variance, 0);
-  const double wanted = params.target * aim * mean;
+  const NoiseError noise = measure_noise(sums);
+  const double wanted = params.target * aim * mean * noise.pixel / (noise.pixel + noise.pixel_standard_error);
   double rate = lowest_rate(plan, [&](double r) {
     return params.target > 0 ? plan.squared_error(variance, r) * scale <= wanted * wanted
                              : plan.total(r) >= most_growth * now;

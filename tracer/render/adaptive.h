@@ -21,8 +21,10 @@
 namespace ivory {
 
 struct AdaptiveParams {
-  double target = 0;        // NoiseError::pixel to reach; 0: none, as far as the bounds allow
-  int max_samples = 16384;  // of one pixel
+  // NoiseError::pixel to reach, its standard error added: who stops at the first estimate that is low enough stops at
+  // one that is too low. 0: none, as far as the bounds allow.
+  double target = 0;
+  int max_samples = 16384;                                       // of one pixel
   double max_seconds = std::numeric_limits<double>::infinity();  // wall time; the first round is always finished
 };
 

@@ -140,7 +140,8 @@ class FilmRenderer {
     double expected = 0;
     const double total = mean_samples();
     if (sums_.rounds > 0) {
-      const double error = measure_noise(sums_).pixel;
+      const NoiseError noise = measure_noise(sums_);
+      const double error = noise.pixel + noise.pixel_standard_error;
       const double target = params_.adaptive->target;
       if (error <= target) return {};
       if (target > 0) expected = total * (error / target) * (error / target);
