@@ -147,6 +147,7 @@ void add_bench_command(Command app, CommonOptions& common) {
   tracer.footer("Example:\n  ivory bench tracer scenes/cornell_box.gltf --json");
   set_action(tracer, common, Output::none, [options, &common] { run(*options, common); });
   add_lookup_bench(bench, common);
+  add_bench_all_command(bench, common);
   add_bench_cubemap_command(bench, common);
   add_bench_sh9_command(bench, common);
   add_bench_fiv_command(bench, common);

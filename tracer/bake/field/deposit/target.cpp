@@ -8,6 +8,8 @@
 #include <tbb/parallel_for.h>
 
 #include "grid/base/error.h"
+#include "tracer/bake/field/deposit/huge_pages.h"
+#include "tracer/bake/field/deposit/units.h"
 
 namespace ivory {
 
@@ -24,9 +26,13 @@ int coarser_bits(float power_lm, float heaviest_lm, int fine_bits) {
 
 }  // namespace
 
+double own_bytes(std::size_t vertices, const SumLayout& layout, int fine_bits) {
+  return double(vertices) * layout.slots * double(cell_lanes(std::size_t(layout.lanes()))) * (fine_bits != 0 ? 2 : 1) *
+         sizeof(std::int32_t);
+}
+
 DepositBuffers choose_buffers(std::size_t vertices, const SumLayout& layout, int fine_bits) {
-  const double own_bytes = double(vertices) * layout.stride() * (fine_bits != 0 ? 8 : 4);
-  return own_bytes > most_own_bytes ? DepositBuffers::shared : DepositBuffers::own;
+  return own_bytes(vertices, layout, fine_bits) > most_own_bytes ? DepositBuffers::shared : DepositBuffers::own;
 }
 
 void check_estimator(const Lattice& lattice, Estimator estimator) {
@@ -53,6 +59,8 @@ DepositTarget make_deposit_target(const Lattice& lattice, Basis basis, Estimator
   target.fine_bits = fine_bits;
   target.cell_masks = std::move(cell_masks);
   assert(target.cell_masks.size() == lattice.vertex_count());
+  target.sums.reserve(lattice.vertex_count() * std::size_t(target.layout.stride()));
+  ask_for_huge_pages(target.sums.data(), target.sums.capacity() * sizeof(std::int64_t));
   target.sums.assign(lattice.vertex_count() * std::size_t(target.layout.stride()), 0);
   return target;
 }

@@ -14,8 +14,8 @@ namespace ivory {
 
 // How threads add to the sums. Either way the bytes are the same.
 enum class DepositBuffers {
-  own,     // to 32-bit sums of their own first: fast while a thread's fit into its cache, but each needs half as much
-           // memory as all share
+  own,  // to 32-bit sums of their own first: fast while a thread's fit into its cache, but each needs up to 2/3 as much
+        // memory as all share
   shared,  // to the shared sums at once, one thread at a time for each slot of a vertex
 };
 
@@ -41,7 +41,8 @@ struct DepositTarget {
 };
 
 // Bytes of one thread's own sums from which on they pay no more, and are shared.
-inline constexpr double most_own_bytes = 64.0 * 1024 * 1024;
+inline constexpr double most_own_bytes = 88.0 * 1024 * 1024;
+double own_bytes(std::size_t vertices, const SumLayout& layout, int fine_bits);
 DepositBuffers choose_buffers(std::size_t vertices, const SumLayout& layout, int fine_bits);
 
 // Sizes the sums and picks the quanta: a photon of `power_lm` (its strongest channel) crossing one voxel
