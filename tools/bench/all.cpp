@@ -1,4 +1,6 @@
 // ivory bench all: every inner loop beside its bound, and the machine that it ran on.
+#include "tools/bench/all.h"
+
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,7 +10,6 @@
 
 #include "tools/bench/machine.h"
 #include "tools/bench/rows.h"
-#include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 
 namespace ivory {

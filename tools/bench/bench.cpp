@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "grid/field/resolve.h"
+#include "tools/bench/all.h"
 #include "tools/bench/measure_lookup.h"
 #include "tools/bench/measure_tracer.h"
 #include "tools/cli/commands.h"

@@ -27,7 +27,6 @@ void add_info_command(Command app, CommonOptions& common);
 void add_bench_command(Command app, CommonOptions& common);
 void add_chart_command(Command app, CommonOptions& common);
 // `bench` is the `ivory bench` command.
-void add_bench_all_command(Command bench, CommonOptions& common);
 void add_bench_cubemap_command(Command bench, CommonOptions& common);
 void add_bench_fiv_command(Command bench, CommonOptions& common);
 void add_bench_runtime_command(Command bench, CommonOptions& common);

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include "tracer/core/surface_parts.h"
 
 namespace ivory {
@@ -13,25 +16,38 @@ bool is_plain(const Mesh& mesh, const Material& material) {
                                             [&](auto slot) { return (material.*slot).texture == no_index; });
 }
 
-// Are the corners' normals those of the triangles themselves? Files bring normals for boxes, too.
-bool has_flat_normals(const Mesh& mesh) {
-  constexpr float tolerance = 1e-5F;  // radians: far below what light shows
-  for (const auto& corners : mesh.triangles) {
+// Which triangles have corners' normals that are its own: files bring normals for boxes, too.
+std::vector<std::uint64_t> flat_triangles(const Mesh& mesh) {
+  const std::size_t words = (mesh.triangles.size() + 63) / 64;
+  if (mesh.normals.empty()) return std::vector<std::uint64_t>(words, ~std::uint64_t(0));
+  constexpr float tolerance = 1e-4F;  // radians: above the rounding of small triangles, far below what light shows
+  const auto is_flat = [&](const Imath::Vec3<std::uint32_t>& corners) {
     const V3f& a = mesh.positions[corners.x];
     const V3f ng = (mesh.positions[corners.y] - a).cross(mesh.positions[corners.z] - a).normalized();
-    for (const std::uint32_t corner : {corners.x, corners.y, corners.z}) {
-      if (!((mesh.normals[corner].normalized() - ng).length2() <= tolerance * tolerance)) return false;
+    const auto agrees = [&](std::uint32_t corner) {
+      return (mesh.normals[corner].normalized() - ng).length2() <= tolerance * tolerance;
+    };
+    return agrees(corners.x) && agrees(corners.y) && agrees(corners.z);
+  };
+  std::vector<std::uint64_t> flat(words, 0);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, words, 64), [&](const auto& range) {
+    for (std::size_t word = range.begin(); word < range.end(); ++word) {
+      const std::size_t end = std::min(64 * (word + 1), mesh.triangles.size());
+      for (std::size_t t = 64 * word; t < end; ++t)
+        flat[word] |= std::uint64_t(is_flat(mesh.triangles[t]) ? 1 : 0) << (t % 64);
     }
-  }
-  return true;
+  });
+  return flat;
 }
 
 }  // namespace
 
 PlainSurfaces::PlainSurfaces(const Scene& scene) : scene_(scene), instances_(scene.instances.size()) {
-  std::vector<char> flat(scene.meshes.size(), 0);
-  for (std::size_t m = 0; m < scene.meshes.size(); ++m)
-    flat[m] = scene.meshes[m].normals.empty() || has_flat_normals(scene.meshes[m]) ? 1 : 0;
+  flat_.reserve(scene.meshes.size());
+  for (const Mesh& mesh : scene.meshes) {
+    const bool plain = is_plain(mesh, scene.materials[std::size_t(mesh.material)]);
+    flat_.push_back(plain ? flat_triangles(mesh) : std::vector<std::uint64_t>());
+  }
   for (std::size_t i = 0; i < instances_.size(); ++i) {
     const Instance& placed = scene.instances[i];
     const Mesh& mesh = scene.meshes[std::size_t(placed.mesh)];
@@ -41,7 +57,7 @@ PlainSurfaces::PlainSurfaces(const Scene& scene) : scene_(scene), instances_(sce
     plain.mesh = &mesh;
     plain.to_world = &placed.to_world;
     plain.in_place = placed.to_world == M44f();
-    plain.is_flat = flat[std::size_t(placed.mesh)] != 0;
+    plain.flat = flat_[std::size_t(placed.mesh)].data();
     // The material's constants are those at any hit.
     const Surface anywhere = make_surface(scene, {}, {0, V2f(0, 0), int(i), 0, V3f(0, 0, 1)});
     plain.diffuse_albedo = anywhere.diffuse_albedo;
@@ -77,7 +93,7 @@ Surface PlainSurfaces::make_scattering(const Ray& ray, const Hit& hit) const {
   surface.front = ray.direction.dot(hit.ng) <= 0;
   surface.ng = surface.front ? hit.ng : -hit.ng;
   surface.ns = surface.ng;
-  if (!plain.is_flat) {
+  if (!plain.is_flat(hit.triangle)) {
     const auto& corners = plain.mesh->triangles[std::size_t(hit.triangle)];
     V3f n = interpolate(plain.mesh->normals, corners, hit.barycentric);
     n = normal_transform(*plain.to_world)(n);

@@ -5,6 +5,7 @@
 // hits a photon that is absorbed needs no place at all.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "tracer/core/surface.h"
@@ -15,19 +16,24 @@ namespace ivory {
 struct PlainInstance {
   const Mesh* mesh = nullptr;  // null: not plain; all else is empty then
   const M44f* to_world = nullptr;
-  bool in_place = false;    // to_world changes nothing
-  bool is_flat = false;     // the shading normal is the geometric one, to 1e-5
+  bool in_place = false;  // to_world changes nothing
+  // [triangle / 64] bit triangle % 64: the shading normals there are the geometric one, to 1e-4.
+  const std::uint64_t* flat = nullptr;
   bool is_lambert = false;  // without a microfacet lobe
   Rgb diffuse_albedo{0, 0, 0};
   Rgb specular_f0{0, 0, 0};
   Rgb specular_f90{0, 0, 0};
   float roughness_alpha = 1;
+
+  bool is_flat(int triangle) const { return (flat[triangle / 64] >> unsigned(triangle % 64) & 1U) != 0; }
 };
 
 class PlainSurfaces {
  public:
   // `scene` must outlive this object unchanged.
   explicit PlainSurfaces(const Scene& scene);
+  PlainSurfaces(const PlainSurfaces&) = delete;  // instances_ points into flat_
+  PlainSurfaces& operator=(const PlainSurfaces&) = delete;
 
   const PlainInstance& instance(int i) const { return instances_[std::size_t(i)]; }
 
@@ -35,12 +41,13 @@ class PlainSurfaces {
   static void place(const PlainInstance& plain, const Hit& hit, Surface& surface);
 
   // make_surface() but for emission, which is left at 0: what scatters light. The same to the bit, but for ns of flat
-  // instances, which is ng.
+  // triangles, which is ng.
   Surface make_scattering(const Ray& ray, const Hit& hit) const;
 
  private:
   const Scene& scene_;
   std::vector<PlainInstance> instances_;
+  std::vector<std::vector<std::uint64_t>> flat_;  // [mesh]
 };
 
 }  // namespace ivory

@@ -142,7 +142,7 @@ void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLed
         if (piece.bounce > 0 || straight) segment(piece.ray, hit, piece.power, jitter, photon.light);
         if (!hit || !all_alike) break;
         const PlainInstance& plain = surfaces_.instance(hit->instance);
-        if (plain.mesh == nullptr || !plain.is_flat || !plain.is_lambert) break;
+        if (plain.mesh == nullptr || !plain.is_lambert || !plain.is_flat(hit->triangle)) break;
         ended = !scatter_plainly(plain, *hit, piece);
         if (ended) break;
       }
