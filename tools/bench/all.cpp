@@ -18,6 +18,7 @@ namespace {
 struct BenchAllOptions {
   int rounds = 5;
   double scale = 1;
+  std::string only;
 };
 
 void run(const BenchAllOptions& options, const CommonOptions& common) {
@@ -25,6 +26,7 @@ void run(const BenchAllOptions& options, const CommonOptions& common) {
   params.threads = thread_count(common);
   params.rounds = options.rounds;
   params.scale = options.scale;
+  params.only = options.only;
   const Machine machine = this_machine();
   std::vector<BenchRow> rows;
   {
@@ -63,6 +65,7 @@ void add_bench_all_command(Command bench, CommonOptions& common) {
   command.add_option("--rounds", options->rounds, "Measurements in turn; medians are reported").within(1, 1000);
   command.add_option("--scale", options->scale, "Amount of work in each, as a share of the usual")
       .within(0.001, 1000.0);
+  command.add_option("--only", options->only, "Rows whose names have this in them").type_name("TEXT");
   command.footer(
       "Scenes and maps are made in memory. Rates count the process's own time over its threads.\n"
       "--json: cpu, isa, cores, threads, and rows of loop, unit, per_s, bound, bound_per_s, ratio.\n"

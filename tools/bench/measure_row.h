@@ -1,7 +1,9 @@
 // One loop and its bound, measured in turn. Private to the rows of `ivory bench all`.
 #pragma once
 
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <tbb/global_control.h>
@@ -40,9 +42,11 @@ BenchRow measure_row(const BenchAllParams& params, BenchRow row, double count, c
       params, std::move(row), count, [&] { return time_of(work).cpu_s; }, [&] { return time_of(bound).cpu_s; });
 }
 
-// The rows of tools/bench/rows_scene.cpp and rows_tables.cpp, as closures: each measures one.
-using RowMaker = std::function<BenchRow(const BenchAllParams&)>;
-std::vector<RowMaker> photon_rows();
+// A row yet to be measured; `measure` fills in all but the name.
+struct RowMaker {
+  std::string name;
+  std::function<BenchRow(const BenchAllParams&)> measure;
+};
 std::vector<RowMaker> scene_rows();
 std::vector<RowMaker> table_rows();
 

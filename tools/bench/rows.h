@@ -20,9 +20,10 @@ struct BenchAllParams {
   int threads = 1;
   int rounds = 5;
   double scale = 1;  // of the amount of work
+  std::string only;  // rows whose names have this in them; empty: all
 };
 
-// Measures every row; progress(done, all) is called before each.
+// Measures the rows; progress(done, all) is called before each. Throws ParameterError("only") where there are none.
 std::vector<BenchRow> bench_all(const BenchAllParams& params, const std::function<void(int, int)>& progress);
 
 }  // namespace ivory

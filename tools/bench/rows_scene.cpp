@@ -1,8 +1,10 @@
 // Rows that trace rays: photons, look-ups, paths, cube maps.
 #include <algorithm>
 #include <array>
-#include <memory>
+#include <span>
 #include <utility>
+#include <variant>
+#include <vector>
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -58,14 +60,14 @@ Scene make_box() {
   return scene;
 }
 
-BenchRow photon_row(const std::string& name, Scene scene, const BenchAllParams& params) {
+BenchRow photon_row(Scene scene, const BenchAllParams& params) {
   const LitScene lit = make_lit_scene(std::move(scene));
   TracerBenchParams tracer;
   tracer.photons = scaled(100'000, params);
   tracer.threads = params.threads;
   PhotonBench bench(lit, tracer);
   return measure_seconds(
-      params, {"photon segments, " + name, "segments", "Embree's closest hits of the same rays"}, double(bench.rays()),
+      params, {"", "segments", "Embree's closest hits of the same rays"}, double(bench.rays()),
       [&] { return bench.deposit_s(); }, [&] { return bench.replay_s(); });
 }
 
@@ -117,7 +119,7 @@ IrradianceGrid bake_box(const LitScene& lit, const BenchAllParams& params) {
 }
 
 // Bound of looking up: the numbers of the eight vertices around a point, added up.
-BenchRow lookup_row(const std::string& name, Guard guard, const BenchAllParams& params) {
+BenchRow lookup_row(Guard guard, const BenchAllParams& params) {
   const LitScene lit = make_lit_scene(make_box());
   const IrradianceGrid grid = bake_box(lit, params);
   const std::vector<LookupPoint> points = surface_points(grid.frame, lit.intersector, int(scaled(50'000, params)));
@@ -145,8 +147,8 @@ BenchRow lookup_row(const std::string& name, Guard guard, const BenchAllParams& 
       results[i].x = sum;
     });
   };
-  return measure_row(params, {"look-ups, " + name, "look-ups", "the eight vertices' numbers added up"},
-                     double(points.size()), look_up, read);
+  return measure_row(params, {"", "look-ups", "the eight vertices' numbers added up"}, double(points.size()), look_up,
+                     read);
 }
 
 BenchRow path_row(const BenchAllParams& params) {
@@ -156,7 +158,7 @@ BenchRow path_row(const BenchAllParams& params) {
   PathParams path;
   path.max_bounces = 1;
   return measure_row(
-      params, {"path tracer, rays", "rays", "Embree's closest hits and shadow rays alone"},
+      params, {"", "rays", "Embree's closest hits and shadow rays alone"},
       double(eyes.rays.size() + eyes.shadow_rays.size()),
       [&] {
         for_each(eyes.rays.size(), [&](std::size_t i) {
@@ -179,25 +181,25 @@ BenchRow cubemap_row(const BenchAllParams& params) {
   capture.grid = &light;
   const Eyes eyes = make_eyes(lit, std::size_t(6) * 64 * 64 * std::size_t(capture.samples));
   return measure_row(
-      params, {"cube map bake, rays", "rays", "Embree's closest hits and shadow rays alone"},
+      params, {"", "rays", "Embree's closest hits and shadow rays alone"},
       double(eyes.rays.size() + eyes.shadow_rays.size()), [&] { capture_cube(lit, lit.intersector.center(), capture); },
       [&] { trace_bare(lit.intersector, eyes); });
 }
 
 }  // namespace
 
-std::vector<RowMaker> photon_rows() {
-  return {
-      [](const BenchAllParams& params) { return photon_row("box", make_box(), params); },
-      [](const BenchAllParams& params) { return photon_row("250 k triangles", make_bench_scene(250'000), params); },
-      [](const BenchAllParams& params) { return photon_row("1 M triangles", make_bench_scene(1'000'000), params); }};
-}
-
 std::vector<RowMaker> scene_rows() {
-  return {[](const BenchAllParams& params) { return lookup_row("guarded by rays", Guard::rays, params); },
-          [](const BenchAllParams& params) { return lookup_row("guarded by planes", Guard::planes, params); },
-          [](const BenchAllParams& params) { return lookup_row("unguarded", Guard::off, params); }, path_row,
-          cubemap_row};
+  using Params = BenchAllParams;
+  return {{"photon segments, box", [](const Params& params) { return photon_row(make_box(), params); }},
+          {"photon segments, 250 k triangles",
+           [](const Params& params) { return photon_row(make_bench_scene(250'000), params); }},
+          {"photon segments, 1 M triangles",
+           [](const Params& params) { return photon_row(make_bench_scene(1'000'000), params); }},
+          {"look-ups, guarded by rays", [](const Params& params) { return lookup_row(Guard::rays, params); }},
+          {"look-ups, guarded by planes", [](const Params& params) { return lookup_row(Guard::planes, params); }},
+          {"look-ups, unguarded", [](const Params& params) { return lookup_row(Guard::off, params); }},
+          {"path tracer", path_row},
+          {"cube map bake", cubemap_row}};
 }
 
 }  // namespace ivory

@@ -63,8 +63,6 @@ class PhotonDepositor {
   template <int lanes>
   void add_step(std::size_t slot, std::size_t vertex, const float* values, const PhotonSegment& segment);
   void add_wide(std::size_t slot, std::size_t vertex, const float* values, int lanes);
-  template <int lanes>
-  static void add_shared(std::int64_t* sums, const std::int32_t* values, int unit_bits);
   std::int32_t* cell(Scale& scale, std::size_t slot, std::size_t vertex);
   void spill(Scale& scale, std::size_t slot, std::size_t vertex);
 

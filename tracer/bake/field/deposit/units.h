@@ -127,4 +127,13 @@ inline void put_back(std::int64_t& first_lane, std::int64_t sum) {
   std::atomic_ref<std::int64_t>(first_lane).store(sum, std::memory_order_release);
 }
 
+// One thread at a time adds to a slot of a vertex: who finds its first lane there takes it out until the others are
+// written. So the lock costs no memory and no cache line of its own.
+template <int lanes>
+inline void add_shared(std::int64_t* sums, const std::int32_t* values, int unit_bits) {
+  const std::int64_t first = take(sums[0]);
+  for (std::size_t i = 1; i < lanes; ++i) sums[i] += std::int64_t(values[i]) << unit_bits;
+  put_back(sums[0], first + (std::int64_t(values[0]) << unit_bits));
+}
+
 }  // namespace ivory
