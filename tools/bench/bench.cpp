@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "grid/field/resolve.h"
+#include "tools/bench/all.h"
 #include "tools/bench/measure_lookup.h"
 #include "tools/bench/measure_tracer.h"
 #include "tools/cli/commands.h"
@@ -147,6 +148,7 @@ void add_bench_command(Command app, CommonOptions& common) {
   tracer.footer("Example:\n  ivory bench tracer scenes/cornell_box.gltf --json");
   set_action(tracer, common, Output::none, [options, &common] { run(*options, common); });
   add_lookup_bench(bench, common);
+  add_bench_all_command(bench, common);
   add_bench_cubemap_command(bench, common);
   add_bench_sh9_command(bench, common);
   add_bench_fiv_command(bench, common);

@@ -13,28 +13,6 @@
 namespace ivory {
 namespace {
 
-struct Point {
-  V3f p;
-  V3f n;
-};
-
-// Where random lines through the grid's box meet surfaces.
-std::vector<Point> surface_points(const GridFrame& frame, const Intersector& intersector, int count) {
-  std::vector<Point> points;
-  RandomStream random(1, StreamPurpose::test, 0);
-  for (int tries = 0; points.size() < std::size_t(count) && tries < 100 * count; ++tries) {
-    const V3f a(random.next(), random.next(), random.next());
-    const V3f b(random.next(), random.next(), random.next());
-    const V3f from = frame.to_world(a * V3f(frame.size) - V3f(0.5F, 0.5F, 0.5F));
-    const V3f to = frame.to_world(b * V3f(frame.size) - V3f(0.5F, 0.5F, 0.5F));
-    const V3f direction = (to - from).normalized();
-    const auto hit = intersector.closest({.origin = from, .direction = direction});
-    if (!hit) continue;
-    points.push_back({from + direction * hit->t, hit->ng.dot(direction) < 0 ? hit->ng : -hit->ng});
-  }
-  return points;
-}
-
 // The thread's own time, so that other work on the machine does not count.
 double thread_time_ns() {
   timespec now{};
@@ -55,9 +33,25 @@ double median_ns(int rounds, std::size_t count, const Work& work) {
 
 }  // namespace
 
+std::vector<LookupPoint> surface_points(const GridFrame& frame, const Intersector& intersector, int count) {
+  std::vector<LookupPoint> points;
+  RandomStream random(1, StreamPurpose::test, 0);
+  for (int tries = 0; points.size() < std::size_t(count) && tries < 100 * count; ++tries) {
+    const V3f a(random.next(), random.next(), random.next());
+    const V3f b(random.next(), random.next(), random.next());
+    const V3f from = frame.to_world(a * V3f(frame.size) - V3f(0.5F, 0.5F, 0.5F));
+    const V3f to = frame.to_world(b * V3f(frame.size) - V3f(0.5F, 0.5F, 0.5F));
+    const V3f direction = (to - from).normalized();
+    const auto hit = intersector.closest({.origin = from, .direction = direction});
+    if (!hit) continue;
+    points.push_back({from + direction * hit->t, hit->ng.dot(direction) < 0 ? hit->ng : -hit->ng});
+  }
+  return points;
+}
+
 LookupBench bench_lookup(const IrradianceGrid& grid, const Intersector& intersector, const LookupParams& lookup,
                          int lookups, int rounds) {
-  const std::vector<Point> points = surface_points(grid.frame, intersector, lookups);
+  const std::vector<LookupPoint> points = surface_points(grid.frame, intersector, lookups);
   if (points.empty())
     throw Error(intersector.scene().name, "no surface was found inside the grid", "give the scene that was baked");
   // The results are kept, so that the compiler keeps the work.

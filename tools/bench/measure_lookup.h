@@ -1,10 +1,19 @@
 // What a look-up of E(p, n) in a grid costs, with each leak guard.
 #pragma once
 
+#include <vector>
+
 #include "grid/field/irradiance_grid.h"
 #include "tracer/core/intersector.h"
 
 namespace ivory {
+
+// Where random lines through the grid's box meet surfaces: at most `count` points, in random order.
+struct LookupPoint {
+  V3f p;
+  V3f n;
+};
+std::vector<LookupPoint> surface_points(const GridFrame& frame, const Intersector& intersector, int count);
 
 struct LookupBench {
   double off_ns = 0;

@@ -1,9 +1,8 @@
 #include "tools/bench/measure_tracer.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <functional>
+#include <utility>
 
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
@@ -12,6 +11,7 @@
 #include <tbb/task_arena.h>
 
 #include "grid/field/resolve.h"
+#include "tools/bench/clock.h"
 #include "tools/bench/median.h"
 #include "tracer/bake/field/baker.h"
 #include "tracer/bake/field/deposit/photon_deposit.h"
@@ -23,22 +23,16 @@ namespace {
 
 constexpr std::uint64_t batch = 2048;
 
-double seconds(const std::function<void()>& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
 struct Worker {
   std::optional<PhotonDepositor> depositor;
   std::vector<PhotonSegment> segments;
   PhotonLedger ledger;
 };
 
-// Traces [0, photons) on `threads` threads and deposits into `target` unless that is null.
-// Returns seconds; the number of rays goes to `rays`.
-double trace_and_deposit(const PhotonTracer& tracer, std::uint64_t begin, std::uint64_t end, DepositTarget* target,
-                         TrackWalk walk, int threads, std::int64_t& rays) {
+// Traces [begin, end) on `threads` threads and deposits into `target` unless that is null. The number of rays goes to
+// `rays`.
+BenchTime trace_and_deposit(const PhotonTracer& tracer, std::uint64_t begin, std::uint64_t end, DepositTarget* target,
+                            TrackWalk walk, int threads, std::int64_t& rays) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, std::size_t(threads));
   tbb::enumerable_thread_specific<Worker> workers([&] {
     Worker worker;
@@ -47,7 +41,7 @@ double trace_and_deposit(const PhotonTracer& tracer, std::uint64_t begin, std::u
   });
   // Buffers are made before the clock starts: a bake makes them once for hours of work.
   tbb::parallel_for(0, 4 * threads, [&](int) { workers.local(); });
-  const double time_s = seconds([&] {
+  const BenchTime time = time_of([&] {
     tbb::parallel_for(tbb::blocked_range<std::uint64_t>(0, (end - begin + batch - 1) / batch), [&](const auto& range) {
       Worker& worker = workers.local();
       for (std::uint64_t b = range.begin(); b < range.end(); ++b) {
@@ -56,13 +50,18 @@ double trace_and_deposit(const PhotonTracer& tracer, std::uint64_t begin, std::u
         if (worker.depositor) worker.depositor->deposit(worker.segments);
       }
     });
+    std::vector<PhotonDepositor*> depositors;
+    for (Worker& worker : workers) {
+      if (worker.depositor) depositors.push_back(&*worker.depositor);
+    }
+    tbb::parallel_for(std::size_t(0), depositors.size(), [&](std::size_t i) { depositors[i]->settle(); });
   });
   rays = 0;
   for (Worker& worker : workers) {
     if (worker.depositor) worker.depositor->flush();
     rays += worker.ledger.rays;
   }
-  return time_s;
+  return time;
 }
 
 // The tracer's own rays, with the order they were traced in.
@@ -78,9 +77,9 @@ std::vector<Ray> record_rays(const LitScene& lit, const TracerBenchParams& param
   return rays;
 }
 
-double replay(const Intersector& intersector, const std::vector<Ray>& rays, int threads) {
+BenchTime replay(const Intersector& intersector, const std::vector<Ray>& rays, int threads) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, std::size_t(threads));
-  return seconds([&] {
+  return time_of([&] {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), 8192), [&](const auto& range) {
       intersector.count_hits(std::span<const Ray>(rays).subspan(range.begin(), range.size()));
     });
@@ -163,20 +162,21 @@ TracerBench bench_tracer(const LitScene& lit, const TracerBenchParams& params) {
   std::vector<std::vector<double>> method_time(methods.size());
   std::int64_t traced = 0;
   for (int round = 0; round < params.rounds; ++round) {
-    const double embree_s = replay(lit.intersector, rays, threads);
+    const double embree_s = replay(lit.intersector, rays, threads).cpu_s / threads;
     for (std::size_t m = 0; m < methods.size(); ++m) {
       method_time[m].push_back(
-          trace_and_deposit(tracer, 0, params.photons, &targets[m], methods[m].walk, threads, traced));
+          trace_and_deposit(tracer, 0, params.photons, &targets[m], methods[m].walk, threads, traced).cpu_s / threads);
     }
-    bare_time.push_back(trace_and_deposit(tracer, 0, params.photons, nullptr, TrackWalk::sampled, threads, traced));
+    bare_time.push_back(
+        trace_and_deposit(tracer, 0, params.photons, nullptr, TrackWalk::sampled, threads, traced).cpu_s / threads);
     bake_rate.push_back(double(traced) / method_time[0].back());
     embree_rate.push_back(double(rays.size()) / embree_s);
     ratio.push_back(bake_rate.back() / embree_rate.back());
     bare_ratio.push_back(double(traced) / bare_time.back() / embree_rate.back());
     if (threads >= 2) {
-      const double one = trace_and_deposit(tracer, 0, params.photons, &targets[0], TrackWalk::sampled, 1, traced);
-      speed_up.push_back(one /
-                         trace_and_deposit(tracer, 0, params.photons, &targets[0], TrackWalk::sampled, 2, traced));
+      const BenchTime one = trace_and_deposit(tracer, 0, params.photons, &targets[0], TrackWalk::sampled, 1, traced);
+      const BenchTime two = trace_and_deposit(tracer, 0, params.photons, &targets[0], TrackWalk::sampled, 2, traced);
+      speed_up.push_back(one.wall_s / two.wall_s);
     }
   }
   bench.segments_per_s = median(bake_rate);
@@ -203,6 +203,23 @@ TracerBench bench_tracer(const LitScene& lit, const TracerBenchParams& params) {
   }
   return bench;
 }
+
+PhotonBench::PhotonBench(const LitScene& lit, const TracerBenchParams& params)
+    : lit_(lit), params_(params), tracer_(lit, {.seed = params.seed}), rays_(record_rays(lit, params)) {
+  GridBakeParams placement;
+  placement.resolution = params.resolution;
+  const GridFrame frame = default_frame(*lit.scene, placement);
+  const Lights::PhotonPower power = lit.lights.photon_power();
+  target_ = make_deposit_target(frame, Basis::vectors, Estimator::track, power.strongest_lm,
+                                vertex_cell_masks(lit.intersector, frame), fine_bits(power));
+}
+
+double PhotonBench::deposit_s() {
+  std::int64_t rays = 0;
+  return trace_and_deposit(tracer_, 0, params_.photons, &target_, TrackWalk::sampled, params_.threads, rays).cpu_s;
+}
+
+double PhotonBench::replay_s() const { return replay(lit_.intersector, rays_, params_.threads).cpu_s; }
 
 Scene make_bench_scene(std::size_t triangles) {
   Scene scene;

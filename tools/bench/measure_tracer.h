@@ -4,8 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "grid/field/accumulator.h"
+#include "tracer/bake/field/deposit/target.h"
 #include "tracer/core/lit_scene.h"
+#include "tracer/render/photons/tracer.h"
 
 namespace ivory {
 
@@ -28,12 +29,30 @@ struct DepositFigure {
 
 struct TracerBench {
   std::size_t triangles = 0;
+  // Rates are by the process's own time over its threads.
   double segments_per_s = 0;       // rays traced and deposited, the way bakes do it
   double embree_rays_per_s = 0;    // the same rays replayed through Embree's closest hit alone
   double embree_ratio = 0;         // the first over the second, median of side-by-side rounds
   double undeposited_ratio = 0;    // the same for photons traced and not deposited
-  double two_thread_speed_up = 0;  // whole deposits, two threads over one; 0 on a single core
+  double two_thread_speed_up = 0;  // whole deposits, two threads over one by the clock; 0 on a single core
   std::vector<DepositFigure> deposits;
+};
+
+// What bakes do with photons, and Embree alone with their rays, to be measured in turn. `lit` must outlive it.
+class PhotonBench {
+ public:
+  PhotonBench(const LitScene& lit, const TracerBenchParams& params);
+  std::size_t rays() const { return rays_.size(); }
+  // Seconds of the process's own time, all threads together.
+  double deposit_s();
+  double replay_s() const;
+
+ private:
+  const LitScene& lit_;
+  TracerBenchParams params_;  // threads above 0
+  PhotonTracer tracer_;
+  std::vector<Ray> rays_;
+  DepositTarget target_;
 };
 
 TracerBench bench_tracer(const LitScene& lit, const TracerBenchParams& params);

@@ -1,5 +1,4 @@
 // ivory bench sh9: the projection onto nine harmonics beside merely adding up the same pixels.
-#include <array>
 #include <chrono>
 #include <functional>
 #include <memory>
@@ -7,9 +6,9 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <tbb/parallel_for.h>
 
 #include "grid/env/irradiance.h"
+#include "tools/bench/measure_env.h"
 #include "tools/bench/median.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
@@ -29,45 +28,15 @@ double seconds_of(const std::function<void()>& work) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// What any method has to do at least: read every pixel once and add it up in double, on the same threads.
-V3d sum_pixels(const std::vector<Rgb>& pixels) {
-  constexpr std::size_t chunks = 64;
-  constexpr std::size_t lanes = 12;
-  std::array<V3d, chunks> parts;
-  tbb::parallel_for(std::size_t(0), chunks, [&](std::size_t chunk) {
-    const std::size_t begin = pixels.size() * chunk / chunks;
-    const std::size_t end = pixels.size() * (chunk + 1) / chunks;
-    const float* const values = &pixels[begin].x;
-    const std::size_t count = 3 * (end - begin);
-    double sums[lanes] = {};
-    std::size_t i = 0;
-    for (; i + lanes <= count; i += lanes)
-      for (std::size_t k = 0; k < lanes; ++k) sums[k] += double(values[i + k]);
-    for (std::size_t k = 0; i < count; ++i, ++k) sums[k] += double(values[i]);
-    V3d& part = parts[chunk];
-    part = V3d(0, 0, 0);
-    for (std::size_t k = 0; k < lanes; ++k) part[int(k % 3)] += sums[k];
-  });
-  V3d sum(0, 0, 0);
-  for (const V3d& part : parts) sum += part;
-  return sum;
-}
-
 void run_bench_sh9(const BenchSh9Options& options, const CommonOptions& common) {
-  EnvironmentMap map{options.size.x, options.size.y, {}};
-  map.radiance.reserve(std::size_t(map.width) * std::size_t(map.height));
-  for (int row = 0; row < map.height; ++row) {
-    for (int column = 0; column < map.width; ++column)
-      map.radiance.emplace_back(float(1 + row % 17), float(1 + column % 13), float(1 + (row ^ column) % 11));
-  }
-  const EnvironmentImage image{EnvironmentLayout::latlong, std::move(map)};
+  const EnvironmentImage image = make_bench_environment(options.size.x, options.size.y);
   const auto& pixels = std::get<EnvironmentMap>(image.map).radiance;
 
   std::vector<double> projection;
   std::vector<double> sum;
   double checksum = 0;  // used below, so that neither is optimised away
   for (int round = 0; round <= options.rounds; ++round) {
-    const double sum_s = seconds_of([&] { checksum += sum_pixels(pixels).x; });
+    const double sum_s = seconds_of([&] { checksum += sum_pixels(image).x; });
     const double projection_s = seconds_of([&] { checksum += radiance_moments(image).total.x; });
     if (round == 0) continue;  // warms up
     sum.push_back(sum_s);

@@ -3,15 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tracer/core/surface_parts.h"
 #include "tracer/core/texture.h"
 
 namespace ivory {
 namespace {
-
-template <typename T>
-T interpolate(const std::vector<T>& values, const Imath::Vec3<std::uint32_t>& triangle, const V2f& b) {
-  return values[triangle.x] * (1 - b.x - b.y) + values[triangle.y] * b.x + values[triangle.z] * b.y;
-}
 
 Rgb rgb(const V4f& c) { return {c.x, c.y, c.z}; }
 
@@ -62,34 +58,15 @@ float transmission(const Scene& scene, const Mesh& mesh, const Material& m, int 
   return std::clamp(m.transmission * texel(m.transmission_texture).x, 0.0F, 1.0F) * (1 - metallic);
 }
 
-// Placements are affine: no division by w. Directions transform by the linear part, normals by its inverse
-// transpose.
-V3f transform_point(const V3f& p, const M44f& m) {
-  return {p.x * m[0][0] + p.y * m[1][0] + p.z * m[2][0] + m[3][0],
-          p.x * m[0][1] + p.y * m[1][1] + p.z * m[2][1] + m[3][1],
-          p.x * m[0][2] + p.y * m[1][2] + p.z * m[2][2] + m[3][2]};
-}
-
 V3f transform_direction(const V3f& d, const M44f& m) {
   V3f out;
   m.multDirMatrix(d, out);
   return out;
 }
 
-// The inverse transpose is the cofactor matrix over the determinant; only the latter's sign matters to a
-// vector that is normalised afterwards.
-V3f transform_normal(const V3f& n, const M44f& m) {
-  const V3f x(m[0][0], m[0][1], m[0][2]);
-  const V3f y(m[1][0], m[1][1], m[1][2]);
-  const V3f z(m[2][0], m[2][1], m[2][2]);
-  const V3f yz = y.cross(z);
-  const V3f out = yz * n.x + z.cross(x) * n.y + x.cross(y) * n.z;
-  return x.dot(yz) < 0 ? -out : out;
-}
-
 V3f shading_normal(const Scene& scene, const Location& at, const V3f& front_ng) {
   if (at.mesh.normals.empty()) return front_ng;
-  V3f n = transform_normal(interpolate(at.mesh.normals, at.indices(), at.barycentric), at.to_world);
+  V3f n = normal_transform(at.to_world)(interpolate(at.mesh.normals, at.indices(), at.barycentric));
   if (!(n.length2() > 0)) return front_ng;
   n.normalize();
 
@@ -152,8 +129,7 @@ Rgb emission(const Scene& scene, const Location& at) {
 float reach_of(const Location& at) {
   float reach = 0;
   for (const std::uint32_t vertex : {at.indices().x, at.indices().y, at.indices().z}) {
-    const V3f p = transform_point(at.mesh.positions[vertex], at.to_world);
-    reach = std::max({reach, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+    reach = std::max(reach, largest_coordinate(transform_point(at.mesh.positions[vertex], at.to_world)));
   }
   return reach;
 }
@@ -199,15 +175,7 @@ Surface make_surface(const Scene& scene, const Ray& ray, const Hit& hit) {
   surface.reach_m = reach_of(at);
   surface.front = ray.direction.dot(hit.ng) <= 0;
   surface.ng = surface.front ? hit.ng : -hit.ng;
-  surface.ns = shading_normal(scene, at, hit.ng);
-  if (!surface.front) surface.ns = -surface.ns;
-  if (surface.ns.dot(surface.ng) <= 0) surface.ns = surface.ng;
-  // A shading normal that faces away from the ray's origin would leave the surface black there, as specks
-  // along silhouettes: it is bent until it just faces it.
-  constexpr float least_cosine = 0.01F;
-  const float cosine = -surface.ns.dot(ray.direction);
-  if (cosine < least_cosine && -surface.ng.dot(ray.direction) > cosine)
-    surface.ns = (surface.ns - ray.direction * (least_cosine - cosine)).normalized();
+  surface.ns = facing_normal(surface, shading_normal(scene, at, hit.ng), ray.direction);
 
   const Rgb base = rgb(base_color(scene, at.mesh, at.material, hit.triangle, hit.barycentric));
   if (at.material.specular_glossiness) {

@@ -27,7 +27,7 @@ std::vector<AssetKind> make_kinds() {
                    {scene, env, {"error-points", InputKind::file, {"points"}}},
                    {"output", "report"},
                    {true, true, true, false, true},
-                   1,
+                   2,  // 2: photons scatter off plain surfaces by sines and cosines in float
                    true,
                    true,
                    30});

@@ -9,6 +9,7 @@
 
 #include "grid/base/error.h"
 #include "grid/base/memory.h"
+#include "tracer/bake/field/deposit/photon_deposit.h"
 #include "tracer/bake/field/deposit/target.h"
 #include "tracer/bake/field/placement.h"
 
@@ -21,9 +22,10 @@ struct BakeMemory {
   double limit = 0;
 };
 
-// What the threads share: sums, the grid, and the tables of bricks. Each adds to its own, 4 bytes a lane, twice where
-// photons of weak lights have sums of a finer unit, and all sums are there once more while they are sorted; unless
-// there are so many that the threads share them. Groups of lights have sums each, and all together once more.
+// What the threads share: sums, the grid, and the tables of bricks. Each adds to its own, twice where photons of
+// weak lights have sums of a finer unit, and all sums are there once more while they are sorted; unless there are so
+// many that the threads share them. Besides, each keeps some segments. Groups of lights have sums each, and all
+// together once more.
 BakeMemory bake_memory(const Lattice& lattice, const GridBakeParams& params, int fine_bits) {
   const auto vertices = double(lattice.vertex_count());
   const SumLayout layout = sum_layout(params.basis, params.estimator);
@@ -34,7 +36,9 @@ BakeMemory bake_memory(const Lattice& lattice, const GridBakeParams& params, int
   const double shared = sums * 8 * double(groups + (own ? 2 : 1)) +
                         vertices * (double(function_count(params.basis)) * 12 + 64) * double(1 + groups) +
                         table_bytes(lattice.frame, lattice.levels()) * double(targets);
-  return {shared, own ? sums * (fine_bits != 0 ? 8 : 4) * double(targets) : 0, memory_limit_bytes(params)};
+  const double kept = PhotonDepositor::most_kept_bytes(lattice.vertex_count(), lattice.levels(), layout);
+  return {shared, ((own ? own_bytes(lattice.vertex_count(), layout, fine_bits) : 0) + kept) * double(targets),
+          memory_limit_bytes(params)};
 }
 
 void check(const std::string& scene, const Lattice& lattice, const GridBakeParams& params, const BakeMemory& memory) {
@@ -83,7 +87,7 @@ int affordable_threads(const LitScene& lit, const Lattice& lattice, const GridBa
   const Lights::PhotonPower power = lit.lights.emission(emission_target(lattice.finest_frame(), params)).photon_power();
   const BakeMemory memory = bake_memory(lattice, params, fine_bits(power));
   check(lit.scene->name, lattice, params, memory);
-  return memory.own == 0 ? threads : int(std::min(double(threads), (memory.limit - memory.shared) / memory.own));
+  return int(std::min(double(threads), (memory.limit - memory.shared) / memory.own));
 }
 
 }  // namespace ivory

@@ -7,6 +7,7 @@
 #include "tracer/bsdf/bsdf.h"
 #include "tracer/core/sampler.h"
 #include "tracer/core/surface.h"
+#include "tracer/render/photons/lambert.h"
 
 namespace ivory {
 namespace {
@@ -53,7 +54,10 @@ PhotonLedger& PhotonLedger::operator+=(const PhotonLedger& other) {
 }
 
 PhotonTracer::PhotonTracer(const LitScene& lit, const PhotonParams& params)
-    : lit_(lit), params_(params), emission_(params.emission ? *params.emission : lit.lights.emission(params.target)) {
+    : lit_(lit),
+      params_(params),
+      emission_(params.emission ? *params.emission : lit.lights.emission(params.target)),
+      surfaces_(*lit.scene) {
   // A photon carries about the total power; 2^-20 of it leaves 2^40 photons to the integers. Past the scene's sphere
   // more enters than the lights' power for the scene says.
   const Rgb power = lit.lights.total_power_lm();
@@ -62,10 +66,9 @@ PhotonTracer::PhotonTracer(const LitScene& lit, const PhotonParams& params)
   ledger_unit_lm_ = std::max(double(power.x) + power.y + power.z, 1e-30) * std::max(1.0, wider * wider) * 0x1p-20;
 }
 
-template <typename OnSegment, typename OnArrival>
+template <bool arrivals_asked, typename OnSegment, typename OnArrival>
 void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLedger& ledger, const OnSegment& segment,
                                const OnArrival& arrival) const {
-  const Scene& scene = *lit_.scene;
   const double units_a_lm = 1 / ledger_unit_lm_;
   const auto units = [&](const Rgb& power) {
     // No power is negative, and llround() is a call. NOLINTNEXTLINE(bugprone-incorrect-roundings)
@@ -80,6 +83,8 @@ void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLed
     int bounce;
     int pieces;  // that its photon was split into on the way here
   };
+  const bool all_alike = !params_.window && !params_.aim;
+  const bool has_coverage = lit_.intersector.has_coverage();
   std::vector<Piece> waiting;  // the last first: the order of random numbers is that of the path alone
   for (std::uint64_t index = begin; index < end; ++index) {
     RandomStream random(params_.seed, params_.purpose, index);
@@ -93,27 +98,68 @@ void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLed
         params_.aim && params_.aim->sought_lm > 0 ? params_.aim->sought_lm : max_component(photon.power);
     waiting.push_back({Ray{.origin = photon.origin, .direction = photon.direction}, photon.power, emitted, 0, 1});
 
+    // The fast way on from a flat, plain Lambertian surface, as most are: what sample() and spawn_ray() below do, but
+    // the lot is drawn before the surface is looked at. Changes `piece` into what goes on; false where nothing does.
+    const auto scatter_plainly = [&](const PlainInstance& plain, const Hit& hit, Piece& piece) {
+      const bool counts = piece.bounce > 0 || straight;
+      Surface surface;
+      const float cosine = piece.ray.direction.dot(hit.ng);
+      surface.ng = cosine <= 0 ? hit.ng : -hit.ng;
+      if (arrivals_asked && counts) {
+        PlainSurfaces::place(plain, hit, surface);
+        surface.diffuse_albedo = plain.diffuse_albedo;
+        arrival(surface, piece.power);
+      }
+      if (piece.bounce == params_.max_bounces) {
+        ledger.terminated += piece.carried;
+        return false;
+      }
+      ledger.absorbed += piece.carried;
+      const float survival = max_component(plain.diffuse_albedo);
+      const float u_survive = random.next();
+      const V2f u = random.next2();
+      constexpr float min_cosine = 1e-6F;
+      if (!(std::abs(cosine) > min_cosine) || !(u_survive < survival)) return false;
+      if (!(arrivals_asked && counts)) PlainSurfaces::place(plain, hit, surface);
+      piece.power = piece.power * plain.diffuse_albedo / survival;
+      piece.carried = units(piece.power);
+      ledger.absorbed -= piece.carried;
+      piece.ray = spawn_ray(surface, cosine_direction(surface.ng, u));
+      ++piece.bounce;
+      return true;
+    };
+
     while (!waiting.empty()) {
-      // By name: Clang 14 does not capture structured bindings.
       Piece piece = waiting.back();
+      waiting.pop_back();
+      std::optional<Hit> hit;
+      bool ended = false;
+      for (;;) {
+        if (has_coverage) piece.ray.coverage_seed = random.next_u32();
+        const float jitter = random.next();
+        hit = lit_.intersector.closest(piece.ray);
+        ++ledger.rays;
+        if (piece.bounce > 0 || straight) segment(piece.ray, hit, piece.power, jitter, photon.light);
+        if (!hit || !all_alike) break;
+        const PlainInstance& plain = surfaces_.instance(hit->instance);
+        if (plain.mesh == nullptr || !plain.is_lambert || !plain.is_flat(hit->triangle)) break;
+        ended = !scatter_plainly(plain, *hit, piece);
+        if (ended) break;
+      }
+      if (ended) continue;
+      // By name: Clang 14 does not capture structured bindings.
       Ray& ray = piece.ray;
       Rgb& power = piece.power;
       std::int64_t& carried = piece.carried;
       const int bounce = piece.bounce;
       int& pieces = piece.pieces;
-      waiting.pop_back();
-      if (lit_.intersector.has_coverage()) ray.coverage_seed = random.next_u32();
-      const float jitter = random.next();
-      const std::optional<Hit> hit = lit_.intersector.closest(ray);
-      ++ledger.rays;
       const bool counts = bounce > 0 || straight;
-      if (counts) segment(ray, hit, power, jitter, photon.light);
       if (!hit) {
         ledger.escaped += carried;
         continue;
       }
-      const Surface surface = make_surface(scene, ray, *hit);
-      if (counts) arrival(surface, power);
+      const Surface surface = surfaces_.make_scattering(ray, *hit);
+      if (arrivals_asked && counts) arrival(surface, power);
       if (bounce == params_.max_bounces) {
         ledger.terminated += carried;
         continue;
@@ -189,7 +235,7 @@ void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLed
 
 void PhotonTracer::trace(std::uint64_t begin, std::uint64_t end, std::vector<PhotonSegment>& segments,
                          PhotonLedger& ledger) const {
-  trace_paths(
+  trace_paths<false>(
       begin, end, ledger,
       [&](const Ray& ray, const std::optional<Hit>& hit, const Rgb& power, float jitter, int light) {
         segments.push_back(
@@ -200,7 +246,7 @@ void PhotonTracer::trace(std::uint64_t begin, std::uint64_t end, std::vector<Pho
 
 void PhotonTracer::trace_arrivals(std::uint64_t begin, std::uint64_t end, std::vector<PhotonArrival>& arrivals,
                                   PhotonLedger& ledger) const {
-  trace_paths(
+  trace_paths<true>(
       begin, end, ledger, [](const Ray&, const std::optional<Hit>&, const Rgb&, float, int) {},
       [&](const Surface& surface, const Rgb& power) {
         if (!is_black(surface.diffuse_albedo)) arrivals.push_back({surface.p, surface.ng, power});

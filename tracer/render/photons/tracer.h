@@ -8,6 +8,7 @@
 
 #include "grid/field/irradiance_grid.h"
 #include "tracer/core/lit_scene.h"
+#include "tracer/core/plain_surfaces.h"
 #include "tracer/render/photons/aim.h"
 #include "tracer/render/photons/window.h"
 
@@ -74,7 +75,7 @@ class PhotonTracer {
  private:
   // Calls segment(ray, hit, power, jitter, light) for each segment and arrival(surface, power) where one ends at a
   // surface.
-  template <typename OnSegment, typename OnArrival>
+  template <bool arrivals_asked, typename OnSegment, typename OnArrival>
   void trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLedger& ledger, const OnSegment& segment,
                    const OnArrival& arrival) const;
 
@@ -82,6 +83,7 @@ class PhotonTracer {
   PhotonParams params_;
   Lights::Emission emission_;
   double ledger_unit_lm_;
+  PlainSurfaces surfaces_;
 };
 
 }  // namespace ivory

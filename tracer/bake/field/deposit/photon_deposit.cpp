@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
+#include "tracer/bake/field/deposit/huge_pages.h"
 #include "tracer/bake/field/deposit/units.h"
 
 // The track-length estimator. The irradiance vectors at a vertex are taken as the mean over its cell V
@@ -19,26 +21,50 @@
 // segment's entry, with one u a segment: each position counts s metres to the cell it falls in. Every
 // point of the segment is hit with density 1/s, so the mean is the same. s is the segment's length
 // in one slice of its dominant axis, so no cell is met by more than two positions.
-//
-// The face estimators of RR-6983 section 3.3 add power w (face_paper) or power w / |cos| (face) where
-// a segment crosses a voxel face, to the nearest of the face's vertices, and divide by the face's area.
-// Here every vertex stands in the middle of a whole cell, so the paper's half and quarter areas at the
-// grid's border do not arise.
 
 namespace ivory {
 namespace {
 
-// Subcell bit within a cell, from a position in quarters of a voxel.
-unsigned subcell(int x, int y, int z) { return static_cast<unsigned>(((z & 3) << 4) | ((y & 3) << 2) | (x & 3)); }
+constexpr std::size_t line_lanes = 64 / sizeof(std::int32_t);
+
+// How many segments are kept at most: as many in each octant as meet each of its cells several times. Bounded, as they
+// take about 100 bytes each.
+std::size_t most_kept(std::size_t vertices) {
+  return std::clamp(2 * vertices, std::size_t(1) << 14, std::size_t(1) << 16);
+}
 
 }  // namespace
 
-PhotonDepositor::PhotonDepositor(DepositTarget& target, TrackWalk walk) : target_(target), walk_(walk) {
+PhotonDepositor::PhotonDepositor(DepositTarget& target, TrackWalk walk)
+    : target_(target),
+      walk_(walk),
+      cell_stride_(cell_lanes(std::size_t(target.layout.lanes()))),
+      most_kept_(most_kept(target.cell_masks.size())) {
   coarse_.unit_bits = target.fine_bits;
   for (Scale* scale : {&coarse_, &fine_}) scale->runs.resize(std::size_t(target.lattice.levels()));
   if (target.buffers == DepositBuffers::shared) return;
-  coarse_.sums.assign(target.sums.size(), 0);
-  if (target.fine_bits != 0) fine_.sums.assign(target.sums.size(), 0);
+  const std::size_t cells = target.cell_masks.size() * std::size_t(target.layout.slots);
+  for (Scale* scale : {&coarse_, &fine_}) {
+    if (scale == &fine_ && target.fine_bits == 0) continue;
+    scale->sums.reserve(cells * cell_stride_ + line_lanes);
+    ask_for_huge_pages(scale->sums.data(), scale->sums.capacity() * sizeof(std::int32_t));
+    scale->sums.assign(cells * cell_stride_ + line_lanes, 0);
+  }
+}
+
+double PhotonDepositor::most_kept_bytes(std::size_t vertices, int levels, const SumLayout& layout) {
+  const std::size_t values = value_lanes(std::size_t(layout.lanes())) * sizeof(std::int32_t);
+  // Vectors double as they grow.
+  return 2 * double(most_kept(vertices)) * (double(sizeof(Run)) * levels + double(values));
+}
+
+std::int32_t* PhotonDepositor::Scale::cells() {
+  const auto at = reinterpret_cast<std::uintptr_t>(sums.data()) / sizeof(std::int32_t) % line_lanes;
+  return sums.data() + (line_lanes - at) % line_lanes;
+}
+
+std::int32_t* PhotonDepositor::cell(Scale& scale, std::size_t slot, std::size_t vertex) {
+  return scale.cells() + (slot * target_.cell_masks.size() + vertex) * cell_stride_;
 }
 
 void PhotonDepositor::deposit(const std::vector<PhotonSegment>& segments) {
@@ -49,6 +75,19 @@ void PhotonDepositor::deposit(const std::vector<PhotonSegment>& segments) {
       return deposit_all<15>(segments);
     case 30:
       return deposit_all<30>(segments);
+    default:
+      assert(false);
+  }
+}
+
+void PhotonDepositor::settle() {
+  switch (target_.layout.lanes()) {
+    case 12:
+      return settle_all<12>();
+    case 15:
+      return settle_all<15>();
+    case 30:
+      return settle_all<30>();
     default:
       assert(false);
   }
@@ -68,6 +107,7 @@ void PhotonDepositor::deposit_all(const std::vector<PhotonSegment>& segments) {
   }
   const float fine_limit = fine_below(target_.fine_bits);
   const Lattice& lattice = target_.lattice;
+  constexpr std::size_t padded = value_lanes(lanes);
   // Sorted by slot, so that the inner loop works on an eighth of the sums at a time.
   for (const PhotonSegment& segment : segments) {
     // What a step adds is the same number in all levels: each halves the step and the unit.
@@ -93,18 +133,19 @@ void PhotonDepositor::deposit_all(const std::vector<PhotonSegment>& segments) {
         scale = !(largest < largest_step) ? nullptr : is_fine ? &fine_ : &coarse_;
         if (scale != nullptr) {
           std::vector<std::int32_t>& integers = scale->run_values[a_metre.slot];
-          integers.resize(integers.size() + lanes);
+          integers.resize(integers.size() + padded);
+          std::int32_t* const own = integers.data() + integers.size() - padded;
           if (is_fine) {
             const std::uint32_t key = rounding_key(segment);
-            for (std::size_t i = 0; i < lanes; ++i)
-              integers[integers.size() - lanes + i] = rounded_at_random(values[i], target_.fine_bits, key, i);
+            for (std::size_t i = 0; i < lanes; ++i) own[i] = rounded_at_random(values[i], target_.fine_bits, key, i);
           } else {
-            std::transform(values.begin(), values.end(), integers.end() - lanes, rounded);
+            for (std::size_t i = 0; i < lanes; ++i) own[i] = rounded(values[i]);
           }
+          ++kept_;
         }
       }
       if (scale != nullptr) {
-        const auto value = std::uint32_t(scale->run_values[a_metre.slot].size() / lanes - 1);
+        const auto value = std::uint32_t(scale->run_values[a_metre.slot].size() / padded - 1);
         scale->runs[std::size_t(level)][a_metre.slot].push_back({*run, value});
         continue;
       }
@@ -118,6 +159,13 @@ void PhotonDepositor::deposit_all(const std::vector<PhotonSegment>& segments) {
       }
     }
   }
+  if (kept_ >= most_kept_) settle_all<lanes>();
+}
+
+template <int lanes>
+void PhotonDepositor::settle_all() {
+  if (kept_ == 0) return;
+  kept_ = 0;
   for (Scale* scale : {&coarse_, &fine_}) {
     for (std::size_t slot = 0; slot < scale->run_values.size(); ++slot) {
       if (scale->run_values[slot].empty()) continue;
@@ -145,31 +193,39 @@ void PhotonDepositor::sample_runs(Scale& scale, std::size_t slot) {
   for (std::size_t i = 0; i < lattice.finer.size(); ++i) add_level(i + 1, lattice.finer[i]);
 }
 
-// The sums outgrow the second-level cache from about 32^3 vertices on, so this is bound by memory
+// The sums of an octant outgrow the second-level cache from about 32^3 vertices on, and then this is bound by memory
 // latency: positions are found ahead of time and their sums asked for, then added when they are there.
 template <int lanes, bool shared, typename Level>
 void PhotonDepositor::add_runs(Scale& scale, std::size_t slot, const std::vector<Run>& runs, const Level& level) {
   const std::uint64_t* masks = target_.cell_masks.data();
   const std::int32_t* values = scale.run_values[slot].data();
-  std::int32_t* own = shared ? nullptr : scale.sums.data() + target_.lane_index(slot, 0);
+  std::int32_t* own = shared ? nullptr : cell(scale, slot, 0);
   std::int64_t* all = target_.sums.data() + target_.lane_index(slot, 0);
   const std::size_t all_stride = target_.lane_index(0, 1);
+  constexpr std::size_t own_stride = cell_lanes(lanes);
 
   struct Pending {
     std::uint32_t vertex;
     std::uint32_t value;
   };
   constexpr std::size_t ahead = 48;
+  static_assert(ahead + sample_block <= steps_between_checks);
   std::array<Pending, ahead + sample_block> pending;
   std::size_t waiting = 0;
   const auto add_pending = [&] {
+    CellAdder<lanes> adder;
     for (std::size_t i = 0; i < waiting; ++i) {
       const Pending& p = pending[i];
-      const std::int32_t* value = values + std::size_t(p.value) * lanes;
-      if (shared) {
+      const std::int32_t* value = values + std::size_t(p.value) * value_lanes(lanes);
+      if constexpr (shared) {
         add_shared<lanes>(all + p.vertex * all_stride, value, scale.unit_bits);
-      } else if (add<lanes>(own + std::size_t(p.vertex) * lanes, value)) {
-        spill(scale, target_.lane_index(slot, p.vertex), lanes);
+      } else {
+        adder.add(own + p.vertex * own_stride, value);
+      }
+    }
+    if (!shared && adder.passed_limit()) {
+      for (std::size_t i = 0; i < waiting; ++i) {
+        if (is_past_limit(own + pending[i].vertex * own_stride, lanes)) spill(scale, slot, pending[i].vertex);
       }
     }
     waiting = 0;
@@ -180,11 +236,11 @@ void PhotonDepositor::add_runs(Scale& scale, std::size_t slot, const std::vector
         [&](std::uint32_t vertex, unsigned bit) {
           // Kept whether seen or not, counted only if seen: a branch here would be mispredicted often.
           const char* line = shared ? reinterpret_cast<const char*>(all + vertex * all_stride)
-                                    : reinterpret_cast<const char*>(own + std::size_t(vertex) * lanes);
-          constexpr std::size_t bytes = lanes * (shared ? sizeof(std::int64_t) : sizeof(std::int32_t));
+                                    : reinterpret_cast<const char*>(own + vertex * own_stride);
+          constexpr std::size_t bytes = shared ? lanes * sizeof(std::int64_t) : own_stride * sizeof(std::int32_t);
           __builtin_prefetch(line, 1);
-          if constexpr (bytes > 64) __builtin_prefetch(line + bytes / 2, 1);
-          __builtin_prefetch(line + bytes - 1, 1);
+          if constexpr (bytes > 64) __builtin_prefetch(line + (shared ? bytes / 2 : 64), 1);
+          if constexpr (shared) __builtin_prefetch(line + bytes - 1, 1);
           pending[waiting] = {vertex, run.value};
           waiting += (masks[vertex] >> bit) & 1U;
         },
@@ -193,120 +249,6 @@ void PhotonDepositor::add_runs(Scale& scale, std::size_t slot, const std::vector
         });
   }
   add_pending();
-}
-
-// Whole cells are stepped through exactly; a cell that its vertex does not see whole is stepped
-// through by its quarters, and only the visible ones count.
-template <int lanes>
-void PhotonDepositor::walk_cells(const PhotonSegment& segment, int level) {
-  const GridFrame& frame = target_.lattice.frame_of(level);
-  const std::optional<IndexSegment> inside = clip(frame, segment);
-  if (!inside) return;
-  const SegmentLanes a_metre = track_lanes(target_, inside->w, segment.power_lm);
-  const V3f& d = inside->per_metre;
-  constexpr float never = std::numeric_limits<float>::infinity();
-
-  // Calls visit(cell, from_m, to_m) for each box of 1/scale voxels that [from_m, to_m] passes.
-  const auto walk = [&](int scale, float from_m, float to_m, const V3i& least, const V3i& most, const auto& visit) {
-    V3i at;
-    V3f next_m;
-    V3f stride_m;
-    for (unsigned axis = 0; axis < 3; ++axis) {
-      const float speed = d[axis] * static_cast<float>(scale);
-      const float x = inside->start[axis] * static_cast<float>(scale);
-      at[axis] = std::clamp(static_cast<int>(x + speed * from_m), least[axis], most[axis]);
-      stride_m[axis] = speed == 0 ? never : 1 / std::abs(speed);
-      next_m[axis] = speed == 0 ? never : (static_cast<float>(at[axis] + (speed > 0 ? 1 : 0)) - x) / speed;
-    }
-    float t = from_m;
-    while (t < to_m) {
-      const unsigned axis = next_m.x <= next_m.y ? (next_m.x <= next_m.z ? 0U : 2U) : (next_m.y <= next_m.z ? 1U : 2U);
-      const float end = std::min(next_m[axis], to_m);
-      if (end > t) visit(at, t, end);
-      t = std::max(t, end);
-      next_m[axis] += stride_m[axis];
-      at[axis] += d[axis] > 0 ? 1 : -1;
-      if (at[axis] < least[axis] || at[axis] > most[axis]) break;
-    }
-  };
-
-  walk(1, 0, inside->length_m, V3i(0, 0, 0), frame.size - V3i(1, 1, 1), [&](const V3i& cell, float from_m, float to_m) {
-    const std::size_t vertex = level == 0 ? frame.vertex_index(cell.x, cell.y, cell.z)
-                                          : target_.lattice.finer[std::size_t(level - 1)].vertex_at(cell);
-    if (level != 0 && vertex >= no_brick) return;
-    const std::uint64_t mask = target_.cell_masks[vertex];
-    float length_m = to_m - from_m;
-    if (~mask != 0) {
-      length_m = 0;
-      walk(4, from_m, to_m, cell * 4, cell * 4 + V3i(3, 3, 3), [&](const V3i& quarter, float from, float to) {
-        if (((mask >> subcell(quarter.x, quarter.y, quarter.z)) & 1U) != 0) length_m += to - from;
-      });
-    }
-    if (length_m <= 0) return;
-    length_m = std::ldexp(length_m, level);  // in the level's unit
-    std::array<float, lanes> values;
-    for (std::size_t i = 0; i < lanes; ++i)
-      values[i] = a_metre.values[i] * (i + 3 < lanes ? length_m : length_m * length_m);
-    add_step<lanes>(a_metre.slot, vertex, values.data(), segment);
-  });
-}
-
-void PhotonDepositor::cross_faces(const PhotonSegment& segment) {
-  const GridFrame& frame = target_.lattice.frame;
-  const V3i size = frame.size;
-  const std::optional<IndexSegment> inside = clip(frame, segment);
-  if (!inside) return;
-  for (unsigned axis = 0; axis < 3; ++axis) {
-    const float speed = inside->per_metre[axis];
-    if (speed == 0) continue;
-    const SegmentLanes a_crossing = face_lanes(target_, inside->w, segment.power_lm, axis);
-    // Faces lie at whole index coordinates, which are halves in the shifted ones.
-    const float from = inside->start[axis] - 0.5F;
-    const float to = from + speed * inside->length_m;
-    const int first = std::max(static_cast<int>(std::ceil(std::min(from, to))), 0);
-    const int last = std::min(static_cast<int>(std::floor(std::max(from, to))), size[axis] - 1);
-    for (int plane = first; plane <= last; ++plane) {
-      const V3f at = inside->start + inside->per_metre * ((static_cast<float>(plane) - from) / speed);
-      V3i vertex;
-      for (unsigned a = 0; a < 3; ++a) vertex[a] = std::clamp(static_cast<int>(at[a]), 0, size[a] - 1);
-      vertex[axis] = plane;
-      add_step<12>(a_crossing.slot, frame.vertex_index(vertex.x, vertex.y, vertex.z), a_crossing.values.data(),
-                   segment);
-    }
-  }
-}
-
-template <int lanes>
-void PhotonDepositor::add_step(std::size_t slot, std::size_t vertex, const float* values,
-                               const PhotonSegment& segment) {
-  std::array<std::int32_t, lanes> integers;
-  float largest = 0;
-  for (std::size_t i = 0; i < lanes; ++i) largest = std::max(largest, std::abs(values[i]));
-  if (!(largest < largest_step)) return add_wide(slot, vertex, values, lanes);
-  const std::size_t first = target_.lane_index(slot, vertex);
-  Scale& scale = largest < fine_below(target_.fine_bits) ? fine_ : coarse_;
-  if (&scale == &fine_) {
-    // By slot and vertex, wherever their lanes lie.
-    const auto step = static_cast<std::uint32_t>((slot * target_.cell_masks.size() + vertex) * lanes);
-    const std::uint32_t key = mixed(rounding_key(segment) ^ step);
-    for (std::size_t i = 0; i < lanes; ++i) integers[i] = rounded_at_random(values[i], target_.fine_bits, key, i);
-  } else {
-    for (std::size_t i = 0; i < lanes; ++i) integers[i] = rounded(values[i]);
-  }
-  if (target_.buffers == DepositBuffers::shared) {
-    add_shared<lanes>(target_.sums.data() + first, integers.data(), scale.unit_bits);
-  } else if (add<lanes>(scale.sums.data() + first, integers.data())) {
-    spill(scale, first, lanes);
-  }
-}
-
-// One thread at a time adds to a slot of a vertex: who finds its first lane there takes it out until the others are
-// written. So the lock costs no memory and no cache line of its own.
-template <int lanes>
-void PhotonDepositor::add_shared(std::int64_t* sums, const std::int32_t* values, int unit_bits) {
-  const std::int64_t first = take(sums[0]);
-  for (std::size_t i = 1; i < lanes; ++i) sums[i] += std::int64_t(values[i]) << unit_bits;
-  put_back(sums[0], first + (std::int64_t(values[0]) << unit_bits));
 }
 
 // Saturates instead of overflowing: a deposit of 2^60 units (a face met at next to no angle) is noise
@@ -326,19 +268,22 @@ void PhotonDepositor::add_wide(std::size_t slot, std::size_t vertex, const float
   }
 }
 
-void PhotonDepositor::spill(Scale& scale, std::size_t first_lane, int lanes) {
-  for (std::size_t i = first_lane; i < first_lane + std::size_t(lanes); ++i) {
-    atomic_add(target_.sums[i], std::int64_t(scale.sums[i]) << scale.unit_bits);
-    scale.sums[i] = 0;
+void PhotonDepositor::spill(Scale& scale, std::size_t slot, std::size_t vertex) {
+  std::int32_t* const own = cell(scale, slot, vertex);
+  const std::size_t first = target_.lane_index(slot, vertex);
+  for (std::size_t i = 0; i < std::size_t(target_.layout.lanes()); ++i) {
+    if (own[i] != 0) atomic_add(target_.sums[first + i], std::int64_t(own[i]) << scale.unit_bits);
+    own[i] = 0;
   }
 }
 
 void PhotonDepositor::flush() {
+  settle();
   for (Scale* scale : {&coarse_, &fine_}) {
-    for (std::size_t i = 0; i < scale->sums.size(); ++i) {
-      if (scale->sums[i] != 0) atomic_add(target_.sums[i], std::int64_t(scale->sums[i]) << scale->unit_bits);
+    if (scale->sums.empty()) continue;
+    for (std::size_t slot = 0; slot < std::size_t(target_.layout.slots); ++slot) {
+      for (std::size_t vertex = 0; vertex < target_.cell_masks.size(); ++vertex) spill(*scale, slot, vertex);
     }
-    std::fill(scale->sums.begin(), scale->sums.end(), 0);
   }
 }
 

@@ -13,7 +13,7 @@ namespace ivory {
 
 namespace {
 
-constexpr std::uint64_t photons_a_batch = 2048;  // about 10,000 segments: they stay in the second-level cache
+constexpr std::uint64_t photons_a_batch = 2048;  // about 10,000 segments, small enough to share work out evenly
 
 void add(std::vector<std::int64_t>& total, const std::vector<std::int64_t>& sums) {
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, sums.size(), 1 << 16), [&](const auto& range) {
@@ -76,6 +76,7 @@ std::uint64_t PhotonSums::trace(std::uint64_t begin, std::uint64_t end, const Ba
       done += last - first;
       if (batch_done && batch_done(done)) paused.store(true, std::memory_order_relaxed);
     }
+    for (PhotonDepositor& depositor : own->depositors) depositor.settle();
     workers[index] = std::move(own);
   };
   tbb::task_arena arena(threads_);

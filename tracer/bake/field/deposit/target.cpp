@@ -8,6 +8,8 @@
 #include <tbb/parallel_for.h>
 
 #include "grid/base/error.h"
+#include "tracer/bake/field/deposit/huge_pages.h"
+#include "tracer/bake/field/deposit/units.h"
 
 namespace ivory {
 
@@ -24,9 +26,13 @@ int coarser_bits(float power_lm, float heaviest_lm, int fine_bits) {
 
 }  // namespace
 
+double own_bytes(std::size_t vertices, const SumLayout& layout, int fine_bits) {
+  return double(vertices) * layout.slots * double(cell_lanes(std::size_t(layout.lanes()))) * (fine_bits != 0 ? 2 : 1) *
+         sizeof(std::int32_t);
+}
+
 DepositBuffers choose_buffers(std::size_t vertices, const SumLayout& layout, int fine_bits) {
-  const double own_bytes = double(vertices) * layout.stride() * (fine_bits != 0 ? 8 : 4);
-  return own_bytes > most_own_bytes ? DepositBuffers::shared : DepositBuffers::own;
+  return own_bytes(vertices, layout, fine_bits) > most_own_bytes ? DepositBuffers::shared : DepositBuffers::own;
 }
 
 void check_estimator(const Lattice& lattice, Estimator estimator) {
@@ -51,8 +57,14 @@ DepositTarget make_deposit_target(const Lattice& lattice, Basis basis, Estimator
   target.quantum = std::ldexp(unit, -18 - fine_bits);
   target.quantum_squared = std::ldexp(unit * unit, -18 - fine_bits + coarser_bits(power_lm, heaviest_lm, fine_bits));
   target.fine_bits = fine_bits;
+  // Powers are at most about 2^18 coarse units over a voxel: far from float's limits either way.
+  const double scale = std::ldexp(1.0, fine_bits);
+  target.units_a_lm = static_cast<float>(1 / (target.quantum * scale));
+  target.to_second = static_cast<float>(target.quantum * target.quantum * scale / target.quantum_squared);
   target.cell_masks = std::move(cell_masks);
   assert(target.cell_masks.size() == lattice.vertex_count());
+  target.sums.reserve(lattice.vertex_count() * std::size_t(target.layout.stride()));
+  ask_for_huge_pages(target.sums.data(), target.sums.capacity() * sizeof(std::int64_t));
   target.sums.assign(lattice.vertex_count() * std::size_t(target.layout.stride()), 0);
   return target;
 }
@@ -109,53 +121,14 @@ GridAccumulator to_accumulator(DepositTarget target) {
   return out;
 }
 
-std::optional<IndexSegment> clip(const GridFrame& frame, const PhotonSegment& segment) {
-  const V3f origin = frame.to_index(segment.origin) + V3f(0.5F, 0.5F, 0.5F);
-  const V3f local = frame.direction_to_local(segment.direction);
-  const V3f direction = local / frame.spacing_m;
-  float t0 = 0;
-  float t1 = segment.length_m;
-  for (unsigned axis = 0; axis < 3; ++axis) {
-    const auto last = static_cast<float>(frame.size[axis]);
-    // A zero component gives infinities of the right signs, or, on the very border, a NaN that the
-    // comparisons below ignore.
-    const float inverse = 1 / direction[axis];
-    const float a = -origin[axis] * inverse;
-    const float b = (last - origin[axis]) * inverse;
-    t0 = std::max(t0, std::min(a, b));
-    t1 = std::min(t1, std::max(a, b));
-  }
-  if (!(t1 > t0)) return std::nullopt;
-  return IndexSegment{origin + direction * t0, direction, t1 - t0, -local};
-}
-
-float sample_step_m(const IndexSegment& inside) {
-  const V3f& d = inside.per_metre;
-  return 1 / std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
-}
-
-std::optional<SampleRun> sample_run(const IndexSegment& inside, float jitter) {
-  const V3f& d = inside.per_metre;
-  const float step_m = sample_step_m(inside);
-  const float first_m = jitter * step_m;
-  if (first_m >= inside.length_m) return std::nullopt;
-  return SampleRun{.start = (inside.start + d * first_m) * 4.0F,
-                   .step = d * (step_m * 4),
-                   .count = static_cast<int>((inside.length_m - first_m) / step_m) + 1};
-}
-
 namespace {
 
 template <std::size_t functions>
 void set_lanes(const DepositTarget& target, const Rgb& power_lm, const float* f, float measure, SegmentLanes& lanes) {
-  // Powers are at most about 2^18 coarse units over a voxel: far from float's limits either way.
-  const auto scale = static_cast<double>(std::int64_t(1) << target.fine_bits);
-  const double unit = target.quantum * scale;
-  const Rgb scaled = power_lm * (measure * static_cast<float>(1 / unit));
-  const float to_second = static_cast<float>(unit * unit / (target.quantum_squared * scale));
+  const Rgb scaled = power_lm * (measure * target.units_a_lm);
   for (unsigned c = 0; c < 3; ++c) {
     for (std::size_t i = 0; i < functions; ++i) lanes.values[3 * i + c] = scaled[c] * f[i];
-    lanes.values[3 * functions + c] = scaled[c] * scaled[c] * to_second;
+    lanes.values[3 * functions + c] = scaled[c] * scaled[c] * target.to_second;
   }
 }
 

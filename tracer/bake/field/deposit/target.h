@@ -1,7 +1,9 @@
 // Where photon deposits go: the integer sums that all threads share, and a segment's place in the grid.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -14,8 +16,8 @@ namespace ivory {
 
 // How threads add to the sums. Either way the bytes are the same.
 enum class DepositBuffers {
-  own,     // to 32-bit sums of their own first: fast while a thread's fit into its cache, but each needs half as much
-           // memory as all share
+  own,  // to 32-bit sums of their own first: fast while a thread's fit into its cache, but each needs up to 2/3 as much
+        // memory as all share
   shared,  // to the shared sums at once, one thread at a time for each slot of a vertex
 };
 
@@ -29,6 +31,8 @@ struct DepositTarget {
   DepositBuffers buffers = DepositBuffers::own;
   double quantum = 0;  // as in GridAccumulator
   double quantum_squared = 0;
+  float units_a_lm = 0;  // coarse units that a lumen is worth, and
+  float to_second = 0;   // what their squares are multiplied by to be those of second moments
   int fine_bits = 0;  // deposits are counted in coarse units of 2^fine_bits quanta, those too small for that in quanta
   std::vector<std::uint64_t> cell_masks;  // [vertex] 4x4x4 subcells that the vertex sees, x fastest; track only
   std::vector<std::int64_t> sums;         // [slot][vertex][lane]; shared buffers: [vertex][slot][lane]
@@ -41,7 +45,8 @@ struct DepositTarget {
 };
 
 // Bytes of one thread's own sums from which on they pay no more, and are shared.
-inline constexpr double most_own_bytes = 64.0 * 1024 * 1024;
+inline constexpr double most_own_bytes = 88.0 * 1024 * 1024;
+double own_bytes(std::size_t vertices, const SumLayout& layout, int fine_bits);
 DepositBuffers choose_buffers(std::size_t vertices, const SumLayout& layout, int fine_bits);
 
 // Sizes the sums and picks the quanta: a photon of `power_lm` (its strongest channel) crossing one voxel
@@ -80,11 +85,42 @@ struct IndexSegment {
   float length_m = 0;
   V3f w;  // in the grid's own axes, towards the light
 };
-std::optional<IndexSegment> clip(const GridFrame& frame, const PhotonSegment& segment);
+inline std::optional<IndexSegment> clip(const GridFrame& frame, const PhotonSegment& segment) {
+  // By reciprocals: where one level's are the halves of another's, so are its index coordinates, to the bit.
+  const V3f voxels_a_metre(1 / frame.spacing_m.x, 1 / frame.spacing_m.y, 1 / frame.spacing_m.z);
+  const V3f origin = frame.direction_to_local(segment.origin - frame.origin_m) * voxels_a_metre + V3f(0.5F, 0.5F, 0.5F);
+  const V3f local = frame.direction_to_local(segment.direction);
+  const V3f direction = local * voxels_a_metre;
+  float t0 = 0;
+  float t1 = segment.length_m;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const auto last = static_cast<float>(frame.size[axis]);
+    // A zero component gives infinities of the right signs, or, on the very border, a NaN that the
+    // comparisons below ignore.
+    const float inverse = 1 / direction[axis];
+    const float a = -origin[axis] * inverse;
+    const float b = (last - origin[axis]) * inverse;
+    t0 = std::max(t0, std::min(a, b));
+    t1 = std::min(t1, std::max(a, b));
+  }
+  if (!(t1 > t0)) return std::nullopt;
+  return IndexSegment{origin + direction * t0, direction, t1 - t0, -local};
+}
 
 // One jittered position a slice of the dominant axis; nothing where none lies inside.
-float sample_step_m(const IndexSegment& inside);
-std::optional<SampleRun> sample_run(const IndexSegment& inside, float jitter);
+inline float sample_step_m(const IndexSegment& inside) {
+  const V3f& d = inside.per_metre;
+  return 1 / std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+}
+inline std::optional<SampleRun> sample_run(const IndexSegment& inside, float jitter) {
+  const V3f& d = inside.per_metre;
+  const float step_m = sample_step_m(inside);
+  const float first_m = jitter * step_m;
+  if (first_m >= inside.length_m) return std::nullopt;
+  return SampleRun{.start = (inside.start + d * first_m) * 4.0F,
+                   .step = d * (step_m * 4),
+                   .count = static_cast<int>((inside.length_m - first_m) / step_m) + 1};
+}
 inline std::optional<SampleRun> sample_run(const GridFrame& frame, const PhotonSegment& segment) {
   const std::optional<IndexSegment> inside = clip(frame, segment);
   return inside ? sample_run(*inside, segment.jitter) : std::nullopt;

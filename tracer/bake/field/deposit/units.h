@@ -54,30 +54,57 @@ inline std::int32_t rounded_at_random(float value, int fine_bits, std::uint32_t 
   return static_cast<std::int32_t>(whole) + (double(u) < (quanta - whole) * 0x1p32 ? 1 : 0);
 }
 
-// Adds a step's values to a cell's lanes; true where one of them has come near overflow. Four lanes at a
-// time by hand (GCC and Clang's vector extension): both compilers unroll the plain loop into scalars.
-// Unsigned, because the test for the limit is meant to wrap.
-using UInt4 [[gnu::vector_size(16)]] = std::uint32_t;
+// A thread's own sums of a slot of a vertex fill whole cache lines, so that a deposit touches as few as can be: the
+// lanes are padded to 16 or 32 numbers of 32 bits. Their values are padded to whole vectors of four.
+inline constexpr std::size_t cell_lanes(std::size_t lanes) { return (lanes + 15) / 16 * 16; }
+inline constexpr std::size_t value_lanes(std::size_t lanes) { return (lanes + 3) / 4 * 4; }
 
+// Vectors of four and eight lanes by hand (GCC and Clang's vector extension): both compilers unroll plain loops into
+// scalars. Unsigned, because the test for the limit is meant to wrap.
+using UInt4 [[gnu::vector_size(16)]] = std::uint32_t;
+using UInt8 [[gnu::vector_size(32)]] = std::uint32_t;
+
+// Adds steps to cells, and finds out afterwards whether sums have come near overflow: up to steps_between_checks of
+// them may go by until then, as none adds 2^24 and the limit lies 64 times that below what 32 bits hold.
+inline constexpr std::size_t steps_between_checks = 60;
 template <int lanes>
-inline bool add(std::int32_t* sums, const std::int32_t* values) {
-  constexpr std::size_t whole = lanes / 4 * 4;
-  constexpr std::uint32_t limit = spill_limit;
-  UInt4 outside{};
-  for (std::size_t i = 0; i < whole; i += 4) {
-    UInt4 sum;
-    UInt4 value;
-    std::memcpy(&sum, sums + i, sizeof(sum));
-    std::memcpy(&value, values + i, sizeof(value));
+class CellAdder {
+ public:
+  void add(std::int32_t* cell, const std::int32_t* values) {
+    std::size_t i = 0;
+    for (; i + 8 <= used; i += 8) add_at(cell + i, values + i, outside8_);
+    if constexpr (used % 8 != 0) add_at(cell + i, values + i, outside4_);
+  }
+  // Whether some sum passed the limit since the last call.
+  bool passed_limit() {
+    std::uint32_t any = 0;
+    for (std::size_t i = 0; i < 8; ++i) any |= outside8_[i];
+    for (std::size_t i = 0; i < 4; ++i) any |= outside4_[i];
+    outside8_ = UInt8{};
+    outside4_ = UInt4{};
+    return (any >> 31U) != 0;
+  }
+
+ private:
+  static constexpr std::size_t used = value_lanes(lanes);
+  template <typename Vector>
+  static void add_at(std::int32_t* cell, const std::int32_t* values, Vector& outside) {
+    Vector sum;
+    Vector value;
+    std::memcpy(&sum, cell, sizeof(sum));
+    std::memcpy(&value, values, sizeof(value));
     sum += value;
-    std::memcpy(sums + i, &sum, sizeof(sum));
-    outside |= sum + limit;  // the top bit is set once |sum| passes the limit
+    std::memcpy(cell, &sum, sizeof(sum));
+    outside |= sum + std::uint32_t(spill_limit);  // the top bit is set once |sum| passes the limit
   }
-  std::uint32_t any = outside[0] | outside[1] | outside[2] | outside[3];
-  for (std::size_t i = whole; i < lanes; ++i) {
-    sums[i] += values[i];
-    any |= static_cast<std::uint32_t>(sums[i]) + limit;
-  }
+  UInt8 outside8_{};
+  UInt4 outside4_{};
+};
+
+// Has one of a cell's sums come near overflow?
+inline bool is_past_limit(const std::int32_t* cell, std::size_t lanes) {
+  std::uint32_t any = 0;
+  for (std::size_t i = 0; i < lanes; ++i) any |= std::uint32_t(cell[i]) + std::uint32_t(spill_limit);
   return (any >> 31U) != 0;
 }
 
@@ -98,6 +125,15 @@ inline std::int64_t take(std::int64_t& first_lane) {
 
 inline void put_back(std::int64_t& first_lane, std::int64_t sum) {
   std::atomic_ref<std::int64_t>(first_lane).store(sum, std::memory_order_release);
+}
+
+// One thread at a time adds to a slot of a vertex: who finds its first lane there takes it out until the others are
+// written. So the lock costs no memory and no cache line of its own.
+template <int lanes>
+inline void add_shared(std::int64_t* sums, const std::int32_t* values, int unit_bits) {
+  const std::int64_t first = take(sums[0]);
+  for (std::size_t i = 1; i < lanes; ++i) sums[i] += std::int64_t(values[i]) << unit_bits;
+  put_back(sums[0], first + (std::int64_t(values[0]) << unit_bits));
 }
 
 }  // namespace ivory
