@@ -1,0 +1,99 @@
+"""The world as an environment map, whatever its nodes are: Cycles draws it, all around."""
+
+import math
+import os
+
+import bpy
+import numpy as np
+
+from .run import Failure
+
+_SAMPLES = 16  # a texel
+
+
+def _depends_on_path(world):
+    trees = [world.node_tree] if world.use_nodes and world.node_tree else []
+    return any(node.type == "LIGHT_PATH" for tree in trees for node in tree.nodes)
+
+
+def write_world(scene, path, width, factor):
+    """(path, warnings): an .exr of width x width/2 texels of `factor` times the world's radiance, in ivory's layout.
+    The path is None, and no file there, where the scene has no world or a black one."""
+    if os.path.exists(path):
+        os.remove(path)
+    world = scene.world
+    if world is None:
+        return None, []
+    if "cycles" not in bpy.context.preferences.addons:
+        raise Failure("the world is drawn by Cycles: enable that add-on, or leave the world out")
+    warnings = []
+    if _depends_on_path(world):
+        warnings.append(f"world '{world.name}' differs by light path: what the camera sees of it is baked")
+    around = bpy.data.scenes.new("ivory world")
+    camera = bpy.data.cameras.new("ivory world")
+    eye = bpy.data.objects.new("ivory world", camera)
+    try:
+        around.world = world
+        _set_up(around, camera, eye, width, factor)
+        around.render.filepath = path
+        bpy.ops.render.render(scene=around.name, write_still=True)
+    finally:
+        bpy.data.objects.remove(eye)
+        bpy.data.cameras.remove(camera)
+        bpy.data.scenes.remove(around)
+    if not os.path.exists(path):
+        raise Failure(f"{path}: Blender did not write it; is the folder writable?")
+    if _is_black(path):
+        os.remove(path)
+        return None, warnings
+    return path, warnings
+
+
+def _set_up(around, camera, eye, width, factor):
+    around.collection.objects.link(eye)
+    around.camera = eye
+    camera.type = "PANO"
+    camera.cycles.panorama_type = "EQUIRECTANGULAR"
+    # glTF's +Z, Blender's -Y, is in the middle; its +X, Blender's too, to the left.
+    eye.rotation_euler = (math.pi / 2, 0, math.pi)
+    render = around.render
+    render.engine = "CYCLES"
+    render.resolution_x, render.resolution_y, render.resolution_percentage = width, width // 2, 100
+    image = render.image_settings
+    image.file_format, image.color_mode, image.color_depth, image.exr_codec = "OPEN_EXR", "RGB", "32", "ZIP"
+    # The same world, the same bytes: no date and no time in the file.
+    for stamp in (name for name in dir(render) if name.startswith("use_stamp")):
+        setattr(render, stamp, False)
+    cycles = around.cycles
+    cycles.device = "CPU"
+    cycles.samples, cycles.seed = _SAMPLES, 0
+    cycles.use_adaptive_sampling = cycles.use_denoising = False
+    cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
+    cycles.pixel_filter_type, cycles.filter_width = "BOX", 1
+    render.film_transparent = False
+    if factor != 1:
+        _multiply(around, factor)
+
+
+def _multiply(around, factor):
+    around.use_nodes = True
+    tree = around.node_tree
+    tree.nodes.clear()
+    drawn = tree.nodes.new("CompositorNodeRLayers")
+    drawn.scene = around
+    times = tree.nodes.new("CompositorNodeMixRGB")
+    times.blend_type = "MULTIPLY"
+    times.inputs[2].default_value = (factor, factor, factor, 1)
+    out = tree.nodes.new("CompositorNodeComposite")
+    tree.links.new(drawn.outputs["Image"], times.inputs[1])
+    tree.links.new(times.outputs[0], out.inputs["Image"])
+
+
+def _is_black(path):
+    image = bpy.data.images.load(path)
+    try:
+        texels = np.empty(len(image.pixels), np.float32)
+        image.pixels.foreach_get(texels)
+        return not texels.reshape(-1, image.channels)[:, :3].any()
+    finally:
+        bpy.data.images.remove(image)
