@@ -73,6 +73,7 @@ def export_scene(context, path):
         except RuntimeError as error:
             raise Failure(f"{path}: Blender's exporter failed: {str(error).strip().splitlines()[-1]}") from error
     document, rest = glb.read(unfinished)
+    glb.drop_extras(document)
     if kept.factor(settings) != 1:
         glb.scale_emission(document, kept.factor(settings))
     glb.write(unfinished, document, rest)

@@ -33,3 +33,11 @@ def scale_emission(document, factor):
         used = document.setdefault("extensionsUsed", [])
         if "KHR_materials_emissive_strength" not in used:
             used.append("KHR_materials_emissive_strength")
+
+
+def drop_extras(document):
+    """What the add-on itself keeps in a scene and its objects is not part of what is baked."""
+    for each in document.get("scenes", []) + document.get("nodes", []):
+        extras = {key: value for key, value in each.pop("extras", {}).items() if key not in {"ivory", "ivory_file"}}
+        if extras:
+            each["extras"] = extras

@@ -4,6 +4,7 @@ import csv
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from . import axes, settings as kept, shown
 from .run import Failure
@@ -50,6 +51,11 @@ def _mean_light_material(scene):
     return material
 
 
+def _half_a_voxel_back(voxels):
+    """OpenVDB has a voxel's value at its index, where ivory's vertices are; Blender draws it half a voxel farther."""
+    return Matrix.Translation(-(voxels.col[0] + voxels.col[1] + voxels.col[2]).to_3d() / 2)
+
+
 def import_grid(context, path):
     """The grid as a volume object where it lies in the scene, in place of what was imported from that file before. It is
     not rendered unless asked to."""
@@ -58,6 +64,7 @@ def import_grid(context, path):
         bpy.data.objects.remove(each)
         if volume.users == 0:
             bpy.data.volumes.remove(volume)
+    context.view_layer.update()  # who evaluates the scene lets go of the file, too, which may hold another grid now
     volume = bpy.data.volumes.new("ivory grid")
     volume.filepath = path
     if not volume.grids.load():
@@ -67,11 +74,39 @@ def import_grid(context, path):
     if "I_px_r" in volume.grids:
         volume.materials.append(_mean_light_material(context.scene))
     placed = bpy.data.objects.new("ivory grid", volume)
-    placed.matrix_world = axes.TO_BLENDER
+    placed.matrix_world = axes.TO_BLENDER @ _half_a_voxel_back(volume.grids[0].matrix_object)
     placed[_OF] = path
     placed.hide_render = True
     context.scene.collection.objects.link(placed)
     return placed
+
+
+# A point on an edge between walls lies in the plane of both, and nothing sees it: corners are asked for this much of
+# the way towards their face's middle.
+_INWARD = 0.01
+
+
+def _corners(mesh):
+    """(places, normals) of face corners, for their faces' normals."""
+    at = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", at)
+    mesh.calc_normals_split()
+    normals = np.empty((len(mesh.loops), 3), np.float32)
+    mesh.loops.foreach_get("normal", normals.ravel())
+    mesh.free_normals_split()
+    places = np.empty((len(mesh.vertices), 3), np.float32)
+    mesh.vertices.foreach_get("co", places.ravel())
+    sizes = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("loop_total", sizes)
+    first = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("loop_start", first)
+    middles = np.empty((len(mesh.polygons), 3), np.float32)
+    mesh.polygons.foreach_get("center", middles.ravel())
+    face = np.empty(len(mesh.loops), np.int64)
+    for polygon, (start, size) in enumerate(zip(first, sizes)):
+        face[start:start + size] = polygon
+    corners = places[at].astype(np.float64)
+    return corners + _INWARD * (middles[face] - corners), normals
 
 
 def _surface(each, depsgraph):
@@ -85,24 +120,18 @@ def _surface(each, depsgraph):
 def points_of(each, domain, depsgraph):
     """(points, normals, are modifiers in them): in ivory's world, one a vertex or a face corner."""
     mesh, same = _surface(each, depsgraph)
-    vertices = np.empty((len(mesh.vertices), 3), np.float32)
-    mesh.vertices.foreach_get("co", vertices.ravel())
     if domain == "CORNER":
-        mesh.calc_normals_split()
-        at = np.empty(len(mesh.loops), np.int32)
-        mesh.loops.foreach_get("vertex_index", at)
-        normals = np.empty((len(mesh.loops), 3), np.float32)
-        mesh.loops.foreach_get("normal", normals.ravel())
-        mesh.free_normals_split()
-        vertices = vertices[at]
+        places, normals = _corners(mesh)
     else:
-        normals = np.empty_like(vertices)
+        places = np.empty((len(mesh.vertices), 3), np.float32)
+        mesh.vertices.foreach_get("co", places.ravel())
+        normals = np.empty_like(places)
         mesh.vertices.foreach_get("normal", normals.ravel())
     world = np.array(each.evaluated_get(depsgraph).matrix_world, np.float64)
     linear = world[:3, :3]
     if abs(np.linalg.det(linear)) < 1e-30:
         raise Failure(f"object '{each.name}' is scaled to nothing")
-    points = vertices @ linear.T + world[:3, 3]
+    points = places @ linear.T + world[:3, 3]
     normals = normals @ np.linalg.inv(linear)
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
@@ -129,12 +158,6 @@ def read_light(path):
 
 def keep_light(mesh, domain, light):
     """Writes E (n x 3) into the mesh's colour attribute; float, so in lux as it is."""
-    old = mesh.color_attributes.get(shown.ATTRIBUTE)
-    if old is not None:
-        mesh.color_attributes.remove(old)
-    attribute = mesh.color_attributes.new(shown.ATTRIBUTE, "FLOAT_COLOR", domain)
     values = np.ones((len(light), 4), np.float32)
     values[:, :3] = light
-    attribute.data.foreach_set("color", values.ravel())
-    mesh.color_attributes.active_color = mesh.color_attributes[shown.ATTRIBUTE]
-    mesh.update()
+    shown.keep(mesh, domain, values.ravel())

@@ -4,6 +4,7 @@ import contextlib
 import math
 
 import bpy
+import numpy as np
 
 from . import settings as kept
 
@@ -87,23 +88,39 @@ def is_shown(each):
     return _MARK in each
 
 
+def _values(mesh):
+    values = np.empty(4 * len(mesh.color_attributes[ATTRIBUTE].data), np.float32)
+    mesh.color_attributes[ATTRIBUTE].data.foreach_get("color", values)
+    return values
+
+
+def keep(mesh, domain, values):
+    """Writes the light, four floats a vertex or corner, into the mesh's colour attribute."""
+    old = mesh.color_attributes.get(ATTRIBUTE)
+    if old is not None:
+        mesh.color_attributes.remove(old)
+    attribute = mesh.color_attributes.new(ATTRIBUTE, "FLOAT_COLOR", domain)
+    attribute.data.foreach_set("color", values)
+    mesh.color_attributes.active_color = mesh.color_attributes[ATTRIBUTE]
+    mesh.update()
+
+
 @contextlib.contextmanager
 def hidden(scene):
-    """While it lasts, objects have their own materials and no light of ours for vertex colours."""
+    """While it lasts, objects have their own materials, and no light of ours in place of vertex colours: a mesh's only
+    colour attribute is exported as those."""
     covered = [(each, each.material_slots[0].material) for each in scene.objects if is_shown(each)]
     for each, _ in covered:
         hide(each)
-    drawn = []
-    for mesh in {each.data for each in scene.objects if each.type == "MESH"}:
-        colours = mesh.color_attributes
-        index = colours.render_color_index
-        if 0 <= index < len(colours) and colours[index].name == ATTRIBUTE:
-            drawn.append((mesh, index))
-            colours.render_color_index = -1
+    only = {each.data for each in scene.objects if each.type == "MESH" and
+            [colours.name for colours in each.data.color_attributes] == [ATTRIBUTE]}
+    stored = [(mesh, mesh.color_attributes[0].domain, _values(mesh)) for mesh in only]
+    for mesh in only:
+        mesh.color_attributes.remove(mesh.color_attributes[0])
     try:
         yield
     finally:
-        for mesh, index in drawn:
-            mesh.color_attributes.render_color_index = index
+        for mesh, domain, values in stored:
+            keep(mesh, domain, values)
         for each, material in covered:
             show(each, material)

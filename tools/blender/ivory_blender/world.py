@@ -29,27 +29,52 @@ def write_world(scene, path, width, factor):
     warnings = []
     if _depends_on_path(world):
         warnings.append(f"world '{world.name}' differs by light path: what the camera sees of it is baked")
+    drawn = path + ".drawn.exr"
     around = bpy.data.scenes.new("ivory world")
     camera = bpy.data.cameras.new("ivory world")
     eye = bpy.data.objects.new("ivory world", camera)
     try:
         around.world = world
-        _set_up(around, camera, eye, width, factor)
-        around.render.filepath = path
+        _set_up(around, camera, eye, width)
+        around.render.filepath = drawn
         bpy.ops.render.render(scene=around.name, write_still=True)
     finally:
         bpy.data.objects.remove(eye)
         bpy.data.cameras.remove(camera)
         bpy.data.scenes.remove(around)
-    if not os.path.exists(path):
-        raise Failure(f"{path}: Blender did not write it; is the folder writable?")
-    if _is_black(path):
-        os.remove(path)
-        return None, warnings
-    return path, warnings
+    if not os.path.exists(drawn):
+        raise Failure(f"{drawn}: Blender did not write it; is the folder writable?")
+    try:
+        return (path if _keep(drawn, path, factor) else None), warnings
+    finally:
+        os.remove(drawn)
 
 
-def _set_up(around, camera, eye, width, factor):
+def _keep(drawn, path, factor):
+    """Writes `factor` times the picture without what Cycles says in the file, times among it: the same world, the same
+    bytes. False and no file where all of it is black."""
+    image = bpy.data.images.load(drawn)
+    image.colorspace_settings.name = "Non-Color"
+    width, height = image.size
+    texels = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(texels)
+    channels = image.channels
+    bpy.data.images.remove(image)
+    texels = texels.reshape(-1, channels)[:, :3]
+    if not texels.any():
+        return False
+    kept = bpy.data.images.new("ivory world", width, height, alpha=False, float_buffer=True)
+    try:
+        kept.colorspace_settings.name = "Non-Color"
+        kept.pixels.foreach_set(np.concatenate([texels * factor, np.ones((len(texels), 1))], axis=1).astype(np.float32).ravel())
+        kept.filepath_raw, kept.file_format = path, "OPEN_EXR"
+        kept.save()
+    finally:
+        bpy.data.images.remove(kept)
+    return True
+
+
+def _set_up(around, camera, eye, width):
     around.collection.objects.link(eye)
     around.camera = eye
     camera.type = "PANO"
@@ -60,10 +85,7 @@ def _set_up(around, camera, eye, width, factor):
     render.engine = "CYCLES"
     render.resolution_x, render.resolution_y, render.resolution_percentage = width, width // 2, 100
     image = render.image_settings
-    image.file_format, image.color_mode, image.color_depth, image.exr_codec = "OPEN_EXR", "RGB", "32", "ZIP"
-    # The same world, the same bytes: no date and no time in the file.
-    for stamp in (name for name in dir(render) if name.startswith("use_stamp")):
-        setattr(render, stamp, False)
+    image.file_format, image.color_mode, image.color_depth, image.exr_codec = "OPEN_EXR", "RGB", "32", "NONE"
     cycles = around.cycles
     cycles.device = "CPU"
     cycles.samples, cycles.seed = _SAMPLES, 0
@@ -71,29 +93,3 @@ def _set_up(around, camera, eye, width, factor):
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = 0
     cycles.pixel_filter_type, cycles.filter_width = "BOX", 1
     render.film_transparent = False
-    if factor != 1:
-        _multiply(around, factor)
-
-
-def _multiply(around, factor):
-    around.use_nodes = True
-    tree = around.node_tree
-    tree.nodes.clear()
-    drawn = tree.nodes.new("CompositorNodeRLayers")
-    drawn.scene = around
-    times = tree.nodes.new("CompositorNodeMixRGB")
-    times.blend_type = "MULTIPLY"
-    times.inputs[2].default_value = (factor, factor, factor, 1)
-    out = tree.nodes.new("CompositorNodeComposite")
-    tree.links.new(drawn.outputs["Image"], times.inputs[1])
-    tree.links.new(times.outputs[0], out.inputs["Image"])
-
-
-def _is_black(path):
-    image = bpy.data.images.load(path)
-    try:
-        texels = np.empty(len(image.pixels), np.float32)
-        image.pixels.foreach_get(texels)
-        return not texels.reshape(-1, image.channels)[:, :3].any()
-    finally:
-        bpy.data.images.remove(image)
