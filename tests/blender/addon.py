@@ -63,8 +63,8 @@ class Addon(BlenderTest):
         self.assertEqual(ivory("info", self.file(".glb"))["triangles"], 24)
 
     def test_volume_lies_in_its_bounds(self):
-        # Blender draws the box of a tree's leaves, from the first to the last of eight voxels: with seven vertices a side
-        # that is their cells, and so the bounds themselves.
+        # Blender draws the box of a tree's leaves along the file's axes, from the first to the last of eight voxels: with
+        # seven vertices a side that is their cells, and so what encloses the bounds.
         support.room()
         self.small_grid()
         self.settings.resolution = (7, 7, 7)
@@ -76,10 +76,15 @@ class Addon(BlenderTest):
             bpy.context.view_layer.update()
             self.assertIn("I_px_r", volume.data.grids)
             self.assertEqual(len([each for each in bpy.data.objects if each.type == "VOLUME"]), 1)
-            drawn = [volume.matrix_world @ Vector(corner) for corner in volume.bound_box]
             asked = [holder.matrix_world @ Vector((x, y, z)) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
-            for corner in asked:  # of floats at 5 m
-                self.assertLess(min((corner - other).length for other in drawn), 1e-5, (turn, drawn, asked))
+            drawn = [volume.matrix_world @ Vector(corner) for corner in volume.bound_box]
+            for end in (np.min, np.max):
+                np.testing.assert_allclose(end(drawn, axis=0), end(asked, axis=0), atol=1e-5)  # of floats at 5 m
+            # The cells' corners themselves, turned.
+            voxels = volume.matrix_world @ volume.data.grids["I_px_r"].matrix_object
+            cells = [voxels @ Vector((x, y, z)) for x in (0, 7) for y in (0, 7) for z in (0, 7)]
+            for corner in asked:
+                self.assertLess(min((corner - other).length for other in cells), 1e-5, (turn, cells, asked))
             bpy.data.objects.remove(holder)
 
     def test_light_is_what_ivory_says(self):
