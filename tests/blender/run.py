@@ -22,8 +22,8 @@ if in_window:
     if shutil.which("xvfb-run") is None:
         print("skipped: no display that nobody sees here (Debian package xvfb)")
         sys.exit(77)
-    command = ["xvfb-run", "-a", "-s", "-screen 0 1280x800x24"] + command + ["--enable-event-simulate",
-                                                                              "--window-geometry", "0", "0", "1280", "800"]
+    command = ["xvfb-run", "-a", "-s", "-screen 0 900x600x24"] + command + ["--enable-event-simulate",
+                                                                              "--window-geometry", "0", "0", "900", "600"]
 else:
     command.append("-b")
 command += ["--factory-startup", "-noaudio", "--python-exit-code", "1", "--python", str(script)]

@@ -1,6 +1,6 @@
 # in a window
-"""The add-on in Blender's window: a bake does not hold Blender up, shows how far it is, is stopped by its button, and goes on; the panels
-are drawn. Driven by a timer of Blender's."""
+"""The add-on in Blender's window: a bake does not hold Blender up, shows how far it is, is stopped by its button, and goes
+on; the panels are drawn. Driven by a timer of Blender's."""
 
 import os
 import pathlib
@@ -57,7 +57,7 @@ def story():
     support.room()
     settings = scene.ivory
     settings.folder, settings.name = folder.name, "level"
-    settings.grid_by, settings.resolution, settings.photons = "RESOLUTION", (12, 10, 8), "5m"
+    settings.grid_by, settings.resolution, settings.photons = "RESOLUTION", (12, 10, 8), "2m"
     with window():
         area = bpy.context.area
         area.spaces[0].show_region_ui = True
@@ -127,7 +127,7 @@ def tick():
     if time.monotonic() - began > 500:
         print("took too long", bpy.context.window_manager.ivory.text, flush=True)
         end(1)
-    return 0.05
+    return 0.1
 
 
 for data in (bpy.data.objects, bpy.data.meshes):

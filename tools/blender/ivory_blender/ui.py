@@ -1,5 +1,7 @@
 """The panels: 3D View > Sidebar > ivory."""
 
+import textwrap
+
 import bpy
 
 from . import settings as kept
@@ -16,6 +18,15 @@ class _Panel:
         layout.use_property_decorate = False
         self.fill(layout.column(), context.scene.ivory)
 
+    @staticmethod
+    def lines(column, text, **options):
+        """A text in as many lines as the sidebar's width needs."""
+        width = max(20, int(bpy.context.region.width / (7 * bpy.context.preferences.system.ui_scale)))
+        icon = " " * 4 if options.get("icon", "NONE") != "NONE" else ""  # takes room, too
+        for line in textwrap.wrap(text, width, initial_indent=icon):
+            column.label(text=line.strip(), **options)
+            options = {}
+
 
 class IVORY_PT_scene(_Panel, bpy.types.Panel):
     bl_label = "ivory"
@@ -23,14 +34,16 @@ class IVORY_PT_scene(_Panel, bpy.types.Panel):
     def fill(self, column, settings):
         shown = bpy.context.window_manager.ivory
         if shown.running:
-            column.label(text=shown.text)
+            work, _, rate = shown.text.partition(", ")
+            self.lines(column, work)
+            self.lines(column, rate)
             column.prop(shown, "fraction", slider=True)
             column.operator("ivory.stop", icon="CANCEL", text="Stopping" if shown.stopping else "Stop")
         for line in shown.said.splitlines() if not shown.running else []:
-            column.label(text=line.removeprefix("! "), icon="ERROR" if line.startswith(("! ", "ivory: ")) else "NONE")
+            self.lines(column, line.removeprefix("! "), icon="ERROR" if line.startswith(("! ", "ivory: ")) else "NONE")
         column.prop(settings, "folder")
         if kept.is_temporary(settings):
-            column.label(text="Save the .blend first, or files go when Blender quits", icon="INFO")
+            self.lines(column, "Save the .blend first, or files go when Blender quits", icon="INFO")
         column.prop(settings, "name")
         column.prop(settings, "overwrite")
         column.prop(settings, "units")
