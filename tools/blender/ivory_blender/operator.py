@@ -17,7 +17,7 @@ class IvoryOperator:
 
     @classmethod
     def poll(cls, context):
-        return not context.window_manager.ivory.running
+        return not run.busy()
 
     def steps(self, context):
         raise NotImplementedError
@@ -56,13 +56,13 @@ class IvoryOperator:
 
     def cancel(self, context):
         """Blender ends it, for it loads another file or quits; a grid leaves its checkpoint."""
-        self._child.stop()
+        self._child.leave()
         self._leave(context)
 
     def _begin(self, context):
         self._said, self._timer, self._child = [], None, None
         self._steps = self.steps(context)
-        context.window_manager.ivory.running = True
+        context.window_manager.ivory.stopping = False
         return self._step(context, lambda: next(self._steps))
 
     def _proceed(self, context):
@@ -100,8 +100,7 @@ class IvoryOperator:
 
     def _leave(self, context):
         self._steps.close()
-        shown = context.window_manager.ivory
-        shown.running = shown.stopping = False
+        context.window_manager.ivory.stopping = False
         if self._timer is not None:
             context.window_manager.event_timer_remove(self._timer)
             self._timer = None

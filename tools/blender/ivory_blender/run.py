@@ -87,6 +87,11 @@ class Child:
         if self.code is None and self._process.poll() is None:
             self._process.terminate()
 
+    def leave(self):
+        """stop(), for who will not poll() any more."""
+        self.stop()
+        _running.discard(self)
+
     def result(self):
         """The JSON object that a command prints, {} where it printed none."""
         return json.loads(self._stdout) if self.code == 0 and self._stdout.strip() else {}
@@ -129,6 +134,11 @@ class Child:
                 self.progress = Progress(text, min(1.0, part / whole) if whole > 0 else 0.0)
             elif text.strip():
                 self.lines.append(text.strip())
+
+
+def busy():
+    """Is one running whose end nobody has seen?"""
+    return bool(_running)
 
 
 def stop_all():

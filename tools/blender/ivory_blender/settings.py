@@ -7,6 +7,8 @@ import bpy
 from bpy.props import (BoolProperty, EnumProperty, FloatProperty, IntProperty, IntVectorProperty, PointerProperty,
                        StringProperty)
 
+from . import run
+
 LUMENS_A_WATT = 683  # of Blender's glTF exporter
 
 
@@ -65,7 +67,8 @@ class IvorySettings(bpy.types.PropertyGroup):
 
 
 class IvoryProgress(bpy.types.PropertyGroup):
-    running: BoolProperty(options={"SKIP_SAVE"})
+    # Asked of the processes themselves: a .blend that is saved while one runs must not keep it.
+    running: BoolProperty(get=lambda _self: run.busy())
     stopping: BoolProperty(options={"SKIP_SAVE"})
     text: StringProperty(options={"SKIP_SAVE"})
     fraction: FloatProperty(name="", min=0, max=100, subtype="PERCENTAGE", options={"SKIP_SAVE"})
