@@ -106,6 +106,7 @@ TEST_F(Package, CommandsHaveManPagesAndCompletion) {
       << bytes_of(path("log"));
   // It finds the module that reads images, too.
   EXPECT_EQ(shell(prefix + "/bin/ivory info " + source_folder + "/docs/two_rooms.png"), 0) << bytes_of(path("log"));
+  EXPECT_TRUE(bytes_of(prefix + "/share/ivory/blender/ivory_blender.zip").starts_with("PK"));
   std::ofstream(path("complete.bash")) << "source " << prefix << "/share/bash-completion/completions/ivory\n"
                                        << "COMP_WORDS=(" << ivory_binary << " \"$@\" ''); COMP_CWORD=$(($# + 1))\n"
                                        << "_ivory; printf '%s\\n' \"${COMPREPLY[@]}\"\n";

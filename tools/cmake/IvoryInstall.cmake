@@ -35,6 +35,7 @@ if(IVORY_BUILD_TOOLS)
   install(DIRECTORY tools/chart DESTINATION ${CMAKE_INSTALL_DATADIR}/ivory/tools COMPONENT tools
     PATTERN "__pycache__" EXCLUDE PATTERN "*.cpp" EXCLUDE)
   install(DIRECTORY scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/ivory COMPONENT tools PATTERN "__pycache__" EXCLUDE)
+  install(FILES ${PROJECT_BINARY_DIR}/ivory_blender.zip DESTINATION ${CMAKE_INSTALL_DATADIR}/ivory/blender COMPONENT tools)
 endif()
 
 if(IVORY_BUILD_RUNTIME)
