@@ -104,12 +104,79 @@ void draw_objects(ViewSession& session, GuiState& state, GuiRequest& request) {
         object.offset_m = offset_in_scene(object, offset, anchor_m);
         request.redraw = true;
       }
+      V3f turn_deg = object.turn_deg;
+      // Whoever types may type "nan".
+      if (ImGui::DragFloat3("turn, degrees", &turn_deg.x, 0.5F, -36000, 36000, "%.1f") &&
+          std::isfinite(turn_deg.x + turn_deg.y + turn_deg.z)) {
+        object.turn_deg = turn_deg;
+        request.redraw = true;
+      }
+      tooltip("about +X, then +Z, then +Y; Ctrl and the left button turn about +Y, and so do , and .");
+      float scale = object.scale;
+      if (ImGui::DragFloat("scale", &scale, 0.005F, 1e-3F, 1e3F, "%.3f") && scale > 0 && scale <= 1e6F) {
+        object.scale = scale;
+        request.redraw = true;
+      }
       if (ImGui::SmallButton("remove")) request.removed = int(i);
     }
     ImGui::Unindent();
     ImGui::PopID();
   }
   if (ImGui::Checkbox("objects move on their paths (Space)", &state.playing)) request.redraw = true;
+}
+
+void draw_animation(ViewSession& session, GuiState& state) {
+  if (!session.animation || !ImGui::CollapsingHeader("Animation", ImGuiTreeNodeFlags_DefaultOpen)) return;
+  SceneAnimation& animation = *session.animation;
+  const std::vector<AnimationSpan>& all = animation.file.animations();
+  const auto label = [&](std::size_t i) { return all[i].name.empty() ? fmt::format("animation {}", i) : all[i].name; };
+  if (all.size() > 1 && ImGui::BeginCombo("animation", label(animation.chosen).c_str())) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      ImGui::PushID(int(i));
+      if (ImGui::Selectable(label(i).c_str(), i == animation.chosen)) {
+        animation.chosen = i;
+        animation.time_s = all[i].begin_s;
+      }
+      ImGui::PopID();
+    }
+    ImGui::EndCombo();
+  }
+  auto time_s = float(animation.time_s);
+  if (ImGui::SliderFloat("time, s", &time_s, float(animation.span().begin_s), float(animation.span().end_s), "%.3f") &&
+      std::isfinite(time_s)) {
+    animation.time_s = double(time_s);
+    state.animates = false;
+  }
+  if (ImGui::SmallButton(state.animates ? "pause" : "play")) state.animates = !state.animates;
+}
+
+// Where the scene's punctual lights stand, and how they shine.
+void draw_lamps(ViewSession& session, GuiRequest& request) {
+  if (session.lamps.empty() || !ImGui::CollapsingHeader("Lamps")) return;
+  bool changed = false;
+  for (std::size_t i = 0; i < session.lamps.size(); ++i) {
+    ViewLamp& lamp = session.lamps[i];
+    ViewLamp now = lamp;
+    ImGui::PushID(int(i));
+    bool moved = ImGui::Checkbox(lamp.name.c_str(), &now.on);
+    ImGui::SameLine();
+    moved = ImGui::ColorEdit3("##tint", &now.tint.x,
+                              ImGuiColorEditFlags_NoInputs | ImGuiColorEditFlags_Float | ImGuiColorEditFlags_HDR) ||
+            moved;
+    moved = ImGui::SliderFloat("brightness", &now.scale, 0, 4, "%.2f") || moved;
+    moved = ImGui::DragFloat3("moved, m", &now.offset_m.x, 0.01F, 0, 0, "%.2f") || moved;
+    ImGui::PopID();
+    const float sum =
+        now.scale + now.tint.x + now.tint.y + now.tint.z + now.offset_m.x + now.offset_m.y + now.offset_m.z;
+    if (!moved || !std::isfinite(sum)) continue;
+    now.scale = std::max(now.scale, 0.0F);
+    for (unsigned c = 0; c < 3; ++c) now.tint[c] = std::max(now.tint[c], 0.0F);
+    lamp = now;
+    changed = true;
+  }
+  if (!changed) return;
+  shine(session);
+  request.redraw = true;
 }
 
 // A brightness and a colour for each group of lights that a grid keeps apart.
@@ -152,6 +219,13 @@ void draw_light(ViewSession& session, GuiRequest& request) {
     ImGui::EndCombo();
   }
   changed = ImGui::DragFloat3("constant, lux", &s.constant_e_lux.x, 0.01F, 0, 1e6F) || changed;
+  if (!session.environment.empty()) {
+    auto turn_deg = float(session.environment_turn_deg);
+    if (ImGui::SliderFloat("sky's turn", &turn_deg, -180, 180, "%.1f degrees") && std::isfinite(turn_deg)) {
+      session.environment_turn_deg = double(turn_deg);
+      changed = true;
+    }
+  }
   bool planes = s.lookup.guard == Guard::planes;
   if (ImGui::Checkbox("leak guard by planes", &planes)) {
     s.lookup.guard = planes ? Guard::planes : Guard::off;
@@ -236,7 +310,9 @@ void draw_help() {
   if (!ImGui::CollapsingHeader("Mouse and keys")) return;
   ImGui::TextUnformatted(
       "left       drag object on the ground\n"
-      "           (Shift: in the picture's plane); else orbit\n"
+      "           (Shift: in the picture's plane,\n"
+      "           Ctrl: turn it); else orbit\n"
+      ", .        turn it         - =  its size\n"
       "right      look around     middle  move\n"
       "wheel      come closer     W A S D Q E  fly\n"
       "F  all in view             Home  first view\n"
@@ -244,7 +320,7 @@ void draw_help() {
       "Ctrl+P  with this panel    H  hide it\n"
       "X  find exposure           V  next view\n"
       "G  guard                   C  tricubic\n"
-      "Space  paths               Esc  quit");
+      "Space  paths, animation    Esc  quit");
 }
 
 }  // namespace
@@ -257,7 +333,9 @@ GuiRequest draw_gui(ViewSession& session, GuiState& state) {
   if (ImGui::Begin("ivory")) {
     ImGui::PushItemWidth(170);
     draw_objects(session, state, request);
+    draw_animation(session, state);
     draw_light(session, request);
+    draw_lamps(session, request);
     draw_groups(session, state, request);
     draw_picture(session, state, request);
     draw_camera(session, request);
