@@ -67,10 +67,10 @@ GpuFivTables load_fiv_tables(std::span<const std::string> paths, const FivUpload
 // two differ it needs a set of turns.
 bool can_turn(const GpuFivTables& fiv, const GpuFivOccluder& occluder, float environment_turn_rad = 0);
 
-// Replaces all occluders, in the order that `self` counts them, and turns the environment of the tables about +Y, against
-// how they were baked; cheap enough for every frame. The unshadowed light has a turn of its own (GpuDifMap::turn_rad,
-// GpuSh9::turn_rad), to be set beside it. Throws Error for more than fiv_max_occluders, and for one that can_turn() says
-// no of.
+// Replaces all occluders, in the order that `self` counts them, and turns the environment of the tables about +Y,
+// against how they were baked; cheap enough for every frame. The unshadowed light has a turn of its own
+// (GpuDifMap::turn_rad, GpuSh9::turn_rad), to be set beside it. Throws Error for more than fiv_max_occluders, and for
+// one that can_turn() says no of.
 void set_occluders(GpuFivTables& fiv, std::span<const GpuFivOccluder> occluders, float environment_turn_rad = 0);
 
 // #define lines to put before shaders/ambient/fiv.glsl; `self`: for objects that are occluders themselves; `turns`:

@@ -71,8 +71,8 @@ typedef struct ivory_occluder {
 /* Replaces all occluders; cheap enough for every frame. Returns 0. */
 int ivory_set_occluders(ivory_light* fiv, const ivory_occluder* occluders, int count);
 
-/* Turns an environment about +Y, against how it was baked: an SH9, a DifMap, or FIV tables and with them the environment
- * that they were loaded with. Cheap enough for every frame. Returns 0. */
+/* Turns an environment about +Y, against how it was baked: an SH9, a DifMap, or FIV tables and with them the
+ * environment that they were loaded with. Cheap enough for every frame. Returns 0. */
 int ivory_turn_environment(ivory_light* light, float turn_deg);
 
 typedef struct ivory_sphere {

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "grid/base/error.h"
 #include "tools/cli/numbers.h"
 #include "tools/input/objects.h"
 #include "tools/view/session/lamps.h"
@@ -35,8 +38,7 @@ void show(ViewObject& object, Scene pose) {
   set_scene(object, std::move(pose));
 }
 
-}  // namespace
-
+// Null where the file has no animation.
 std::unique_ptr<SceneAnimation> open_animation(const std::string& path, const SceneOptions& load) {
   PosedGltf file(path, load.load);
   if (file.animations().empty()) return nullptr;
@@ -47,6 +49,26 @@ std::unique_ptr<SceneAnimation> open_animation(const std::string& path, const Sc
   animation->shown_s = animation->time_s;
   animation->shown = animation->chosen;
   return animation;
+}
+
+}  // namespace
+
+void prepare_animation(ViewSession& session, const SessionInput& input, const std::vector<ViewObject>& objects) {
+  if (!input.plays && !input.may_play) return;
+  try {
+    session.animation = open_animation(input.scene, input.load);
+  } catch (const Error& error) {
+    if (input.plays) throw;
+    session.notes.push_back(fmt::format("note: no animation plays: {}", error.what()));
+  }
+  if (!session.animation) {
+    if (input.plays) throw UsageError("--play: " + input.scene + " has no animation");
+    return;
+  }
+  session.animation->sphere_lights = input.sphere_lights;
+  for (const ViewObject& object : objects) {
+    if (!object.node.empty()) session.animation->objects.push_back(object.node);
+  }
 }
 
 void pose_scene(ViewSession& session) {

@@ -11,6 +11,8 @@
 
 namespace ivory {
 
+struct SessionInput;
+struct ViewObject;
 struct ViewSession;
 
 struct SceneAnimation {
@@ -26,9 +28,10 @@ struct SceneAnimation {
   const AnimationSpan& span() const { return file.animations()[chosen]; }
 };
 
-// Opens the scene's file for playing; null where it has no animation. `load` says which one and at what time the scene
-// was loaded. Throws as PosedGltf does.
-std::unique_ptr<SceneAnimation> open_animation(const std::string& path, const SceneOptions& load);
+// Opens the scene's file for playing, where `input` says that it plays or may, as it was loaded and with `objects`
+// taken out of it. Throws UsageError where it is to play and has no animation; Error as PosedGltf does, which is a note
+// where it only may.
+void prepare_animation(ViewSession& session, const SessionInput& input, const std::vector<ViewObject>& objects);
 
 // Poses the scene, the objects that are nodes of it, lamps, occluders and lights with extent by session.animation at
 // its time, by the code of ivory render --time; nothing where they stand so already or there is none. Needs a current

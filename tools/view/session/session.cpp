@@ -137,24 +137,6 @@ void place_objects(std::vector<ViewObject>& objects, const std::vector<std::stri
   }
 }
 
-void prepare_animation(ViewSession& session, const SessionInput& input, const std::vector<ViewObject>& objects) {
-  if (!input.plays && !input.may_play) return;
-  try {
-    session.animation = open_animation(input.scene, input.load);
-  } catch (const Error& error) {
-    if (input.plays) throw;
-    session.notes.push_back(fmt::format("note: no animation plays: {}", error.what()));
-  }
-  if (!session.animation) {
-    if (input.plays) throw UsageError("--play: " + input.scene + " has no animation");
-    return;
-  }
-  session.animation->sphere_lights = input.sphere_lights;
-  for (const ViewObject& object : objects) {
-    if (!object.node.empty()) session.animation->objects.push_back(object.node);
-  }
-}
-
 Camera choose_camera(const SessionInput& input, const ViewWorld& world) {
   const Scene& scene = world.scene();
   if (!input.camera.empty()) return find_camera(scene, input.camera);
