@@ -38,7 +38,7 @@ class ViewCommand : public CommandTest {
   }
   // film() of 80 by 60 pixels.
   Film small(const std::string& arguments) const {
-    run("view --headless --shadow-size 256 --size 80x60 --force " + arguments + " -o " + path("film.exr"));
+    run("view --headless --shadow-size 128 --size 80x60 --force " + arguments + " -o " + path("film.exr"));
     return read_image(path("film.exr"));
   }
 
