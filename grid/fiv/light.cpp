@@ -8,6 +8,14 @@ namespace ivory {
 
 namespace {
 
+FivMoments hidden_from(const FivPlacement& occluder, const V3f& q) {
+  FivMoments moments = lookup(*occluder.table, q);
+  if (occluder.next == nullptr) return moments;
+  const FivMoments next = lookup(*occluder.next, q);
+  for (std::size_t i = 0; i < moments.size(); ++i) moments[i] += (next[i] - moments[i]) * occluder.next_share;
+  return moments;
+}
+
 // What one occluder does to a receiver.
 struct Shadow {
   Rgb hidden{0, 0, 0};    // lux
@@ -37,7 +45,7 @@ Shadow shadow_of(const FivPlacement& occluder, const V3f& q, float height, const
   shadow.towards = distance > 0 ? q / -distance : n;
   shadow.disc_radius = distance > 1 ? 1 / distance : 1;
   shadow.coverage = occluder.table->coverage;
-  const FivMoments moments = lookup(*occluder.table, q);
+  const FivMoments moments = hidden_from(occluder, q);
   shadow.hidden = hidden_irradiance(*occluder.table, moments, n, height, straddling);
   if (!(luminance(shadow.hidden) > 0)) return shadow;
   V3f light;
@@ -198,7 +206,7 @@ Rgb fiv_irradiance(std::span<const FivPlacement> occluders, const V3f& p, const 
   Rgb open = unshadowed;
   if (self >= 0) {
     const FivPlacement& own = occluders[std::size_t(self)];
-    const FivMoments moments = lookup(*own.table, (p - own.center_m) / own.radius_m);
+    const FivMoments moments = hidden_from(own, (p - own.center_m) / own.radius_m);
     open = self_shadowed_irradiance(*own.table, moments, n);
   }
   Rgb e;

@@ -8,13 +8,16 @@
 
 namespace ivory {
 
-// An occluder where it stands: moved and evenly scaled, not turned, because a table belongs to its environment.
+// An occluder where it stands: moved and evenly scaled. A table belongs to its environment, so what turns needs tables
+// of its turns (grid/fiv/set.h).
 struct FivPlacement {
   const FivTable* table = nullptr;
   V3f center_m{0, 0, 0};  // of the bounding sphere, in the world
   float radius_m = 1;
   // most_hidden(table), for leaving out what is too far to matter; infinite: never left out.
   float most_hidden = std::numeric_limits<float>::infinity();
+  const FivTable* next = nullptr;  // of a mesh between two turns: the other table; null: there is one
+  float next_share = 0;            // of what is read of both
 };
 
 // The most that the occluder can take from any receiver, as luminance of E over fiv_falloff() of the distance: no

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "grid/base/half.h"
+#include "grid/base/placement.h"
 #include "grid/io/difmap.h"
 #include "runtime/gl/check.h"
 
@@ -46,6 +47,7 @@ int bind(const GpuDifMap& map, gl::Program& program, int first_unit) {
   gl::bind(map.e, first_unit);
   program.set("ivory_difmap_e", first_unit);
   program.set("ivory_difmap_scale", map.scale);
+  program.set("ivory_difmap_from_world", turn_about_y(-double(map.turn_rad)));
   return first_unit + 1;
 }
 

@@ -16,8 +16,9 @@ struct DifMapUploadParams {
 };
 
 struct GpuDifMap {
-  gl::Texture e;    // E over scale
-  float scale = 1;  // lux
+  gl::Texture e;       // E over scale
+  float scale = 1;     // lux
+  float turn_rad = 0;  // of the environment about +Y, against how it was baked; may change from frame to frame
   std::size_t bytes() const { return e.bytes(); }
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <memory>
@@ -13,7 +14,9 @@
 #include "grid/base/error.h"
 #include "grid/base/half.h"
 #include "grid/base/memory.h"
+#include "grid/base/placement.h"
 #include "grid/io/fiv.h"
+#include "runtime/assets/fiv_pack.h"
 #include "runtime/gl/boxes.h"
 #include "runtime/gl/check.h"
 
@@ -21,122 +24,12 @@ namespace ivory {
 
 namespace {
 
-constexpr int most_bins = 1024;  // OpenGL 3.3 takes textures at least so wide
-
-// IvoryFivTable and IvoryFivOccluders of the shaders, in layout std140.
-struct TableBlock {
-  V4f origin;
-  V4f samples;
-  V4f bins;
-  V4f scale;
-  std::array<V4f, 9> total;
-};
+// IvoryFivOccluders of the shaders, in layout std140.
 struct OccluderBlock {
   std::array<std::int32_t, 4> count{};
   std::array<V4f, std::size_t(fiv_max_occluders)> place;
   std::array<std::array<std::int32_t, 4>, std::size_t(fiv_max_occluders)> table_of{};
 };
-
-int slab_count(const FivTable& table) { return table.hemispheres == 1 ? 3 : 9; }
-
-// Which of a sample's numbers is channel c of slab s, or -1: see shaders/fiv/table.glsl.
-int number_at(const FivTable& table, int s, int c) {
-  if (s < 3 && c < 3) return 3 * s + c;
-  if (table.hemispheres == 1) return -1;
-  return s < 3 ? 9 + s : 4 * s + c;
-}
-
-V3i box_of(const FivTable& table) {
-  return {3 * (table.size.x + 1), slab_count(table) / 3 * table.size.y, table.size.z};
-}
-
-// Bins of log2 r so narrow that none holds more than one sphere: one fetch finds where r lies.
-struct SphereBins {
-  float first = 0;  // log2 of the radii
-  float last = 0;
-  float per_octave = 0;  // bins
-  std::vector<V4f> knots;
-};
-
-SphereBins make_bins(const std::string& name, const std::vector<float>& radii) {
-  std::vector<double> x;
-  x.reserve(radii.size());
-  for (const float r : radii) x.push_back(std::log2(double(r)));
-  const double range = x.back() - x.front();
-  double narrowest = range;
-  for (std::size_t k = 1; k < x.size(); ++k) narrowest = std::min(narrowest, x[k] - x[k - 1]);
-  // A little narrower than the narrowest interval, against rounding.
-  const double count = std::ceil(1.02 * range / narrowest);
-  if (!(count <= most_bins)) {
-    throw Error(name, fmt::format("has spheres closer to one another than a {}th of their range", most_bins),
-                "bake it with fewer spheres");
-  }
-  SphereBins out;
-  out.first = float(x.front());
-  out.last = float(x.back());
-  out.per_octave = float(count / range);
-  std::size_t k = 0;  // the interval that the bin begins in
-  for (int bin = 0; bin < int(count); ++bin) {
-    const double begin = x.front() + range * bin / count;
-    const double end = x.front() + range * (bin + 1) / count;
-    while (k + 2 < x.size() && x[k + 1] <= begin) ++k;
-    const double before = 1 / (x[k + 1] - x[k]);
-    if (k + 2 < x.size() && x[k + 1] < end) {
-      out.knots.emplace_back(float(x[k + 1]), float(k + 1), float(before), float(1 / (x[k + 2] - x[k + 1])));
-    } else {
-      out.knots.emplace_back(float(x[k]), float(k), float(before), float(before));
-    }
-  }
-  return out;
-}
-
-// Moments over the falloff at their sphere, times `factor`, into the table's box.
-void fill(const FivTable& table, const V3i& corner, const V3i& atlas_size, float factor, std::vector<V4f>& atlas) {
-  const auto numbers = 3 * std::size_t(fiv_function_count(table.hemispheres));
-  for (int s = 0; s < slab_count(table); ++s) {
-    for (int k = 0; k < table.size.z; ++k) {
-      const float level = factor / fiv_falloff(table.radii[std::size_t(k)]);
-      for (int p = 0; p < table.size.y; ++p) {
-        for (int a = 0; a <= table.size.x; ++a) {
-          const std::size_t sample =
-              (std::size_t(k) * std::size_t(table.size.y) + std::size_t(p)) * std::size_t(table.size.x) +
-              std::size_t(a % table.size.x);
-          const V3i at = corner + V3i(s % 3 * (table.size.x + 1) + a, s / 3 * table.size.y + p, k);
-          V4f& texel =
-              atlas[(std::size_t(at.z) * std::size_t(atlas_size.y) + std::size_t(at.y)) * std::size_t(atlas_size.x) +
-                    std::size_t(at.x)];
-          for (int c = 0; c < 4; ++c) {
-            const int number = number_at(table, s, c);
-            texel[unsigned(c)] = number < 0 ? 0 : table.values[sample * numbers + std::size_t(number)] * level;
-          }
-        }
-      }
-    }
-  }
-}
-
-float largest_level(const FivTable& table) {
-  const std::size_t sphere = table.values.size() / std::size_t(table.size.z);
-  float largest = 0;
-  for (std::size_t i = 0; i < table.values.size(); ++i)
-    largest = std::max(largest, std::abs(table.values[i]) / fiv_falloff(table.radii[i / sphere]));
-  return largest;
-}
-
-TableBlock describe(const FivTable& table, const V3i& corner, const SphereBins& bins, float scale, int row) {
-  TableBlock block;
-  block.origin = {float(corner.x), float(corner.y), float(corner.z), float(slab_count(table))};
-  block.samples = {float(table.size.x), float(table.size.y), float(table.size.z), table.coverage};
-  block.bins = {bins.first, bins.last, bins.per_octave, float(bins.knots.size())};
-  block.scale = {scale, most_hidden(table), float(row), 0};
-  for (int s = 0; s < 9; ++s) {
-    for (int c = 0; c < 4; ++c) {
-      const int number = s < slab_count(table) ? number_at(table, s, c) : -1;
-      block.total[std::size_t(s)][unsigned(c)] = number < 0 ? 0 : table.total[std::size_t(number)];
-    }
-  }
-  return block;
-}
 
 gl::Buffer uniform_buffer(const void* data, std::size_t bytes, GLenum usage) {
   auto buffer = gl::make<gl::Kind::buffer>();
@@ -154,13 +47,14 @@ int bind_tables(const GpuFivTables& fiv, gl::Program& program, int unit, Straddl
   program.bind_block("IvoryFivOccluders", fiv.occluders, fiv_occluders_binding);
   program.set("ivory_fiv_straddling", straddling == Straddling::scale ? 1 : 0);
   program.set("ivory_fiv_self", self);
+  program.set("ivory_fiv_from_world", turn_about_y(-double(fiv.environment_turn_rad)));
   return unit;
 }
 
 template <typename Environment>
 AmbientSource make_source(const GpuFivTables& fiv, const Environment& unshadowed, const FivLightParams& params,
                           int self) {
-  return {fiv_defines(params.overlap, self >= 0) + "#include \"ambient/fiv.glsl\"\n",
+  return {fiv_defines(params.overlap, self >= 0, fiv.turns()) + "#include \"ambient/fiv.glsl\"\n",
           [&fiv, &unshadowed, straddling = params.straddling, self](gl::Program& program, int first_unit) {
             return bind(fiv, unshadowed, program, first_unit, straddling, self);
           }};
@@ -172,14 +66,26 @@ static_assert(int(FivOverlap::none) == 0 && int(FivOverlap::discs) == 1 && int(F
 }  // namespace
 
 std::size_t GpuFivTables::bytes() const {
-  return atlas.bytes() + spheres.bytes() + std::size_t(fiv_max_tables) * sizeof(TableBlock) + sizeof(OccluderBlock);
+  return atlas.bytes() + spheres.bytes() + std::size_t(fiv_max_tables) * sizeof(FivTableBlock) + sizeof(OccluderBlock);
 }
 
-GpuFivTables upload(std::span<const FivTable> tables, const FivUploadParams& params,
-                    std::span<const std::string> names) {
+bool GpuFivTables::turns() const {
+  return std::any_of(sets.begin(), sets.end(), [](const Set& set) { return set.turns > 1; });
+}
+
+namespace {
+
+// `most_hidden`: the most that a table hides, or the next turns of its set.
+GpuFivTables upload_all(const std::vector<const FivTable*>& pointers, const std::vector<float>& most_hidden,
+                        const FivUploadParams& params, const std::vector<std::string>& names) {
   gl::require_context();
-  assert(names.empty() || names.size() == tables.size());
-  const auto name_of = [&](std::size_t i) { return names.empty() ? fmt::format("FIV table {}", i) : names[i]; };
+  const auto name_of = [&](std::size_t i) { return names[i]; };
+  struct {
+    const std::vector<const FivTable*>& all;
+    const FivTable& operator[](std::size_t i) const { return *all[i]; }
+    std::size_t size() const { return all.size(); }
+    bool empty() const { return all.empty(); }
+  } const tables{pointers};
   if (tables.empty() || tables.size() > std::size_t(fiv_max_tables)) {
     throw Error("FIV tables", fmt::format("there are {}, and a set takes 1 to {}", tables.size(), fiv_max_tables),
                 "upload them as several sets");
@@ -189,7 +95,7 @@ GpuFivTables upload(std::span<const FivTable> tables, const FivUploadParams& par
   std::vector<V3i> boxes;
   for (std::size_t i = 0; i < tables.size(); ++i) {
     const V3i& size = tables[i].size;
-    const V3i box = box_of(tables[i]);
+    const V3i box = fiv_box_of(tables[i]);
     if (std::max({box.x, box.y, box.z}) > limit) {
       throw Error(name_of(i),
                   fmt::format("its {}x{}x{} samples make a texture of {}x{}x{} texels, and this OpenGL takes {} a side "
@@ -211,15 +117,16 @@ GpuFivTables upload(std::span<const FivTable> tables, const FivUploadParams& par
   const std::size_t texels = std::size_t(packed->size.x) * std::size_t(packed->size.y) * std::size_t(packed->size.z);
   check_memory(name_of(0), 2 * double(texels) * sizeof(V4f), "bake it with fewer samples");
   std::vector<V4f> atlas(texels, V4f(0, 0, 0, 0));
-  std::vector<TableBlock> blocks;
-  std::vector<SphereBins> bins;
+  std::vector<FivTableBlock> blocks;
+  std::vector<FivSphereBins> bins;
   std::size_t most = 1;
   for (std::size_t i = 0; i < tables.size(); ++i) {
-    const float scale = params.half_floats ? half_scale(largest_level(tables[i])) : 1.0F;
-    bins.push_back(make_bins(name_of(i), tables[i].radii));
+    const float scale = params.half_floats ? half_scale(largest_fiv_level(tables[i])) : 1.0F;
+    bins.push_back(make_fiv_bins(name_of(i), tables[i].radii));
     most = std::max(most, bins.back().knots.size());
-    fill(tables[i], packed->corners[i], packed->size, 1 / scale, atlas);
-    blocks.push_back(describe(tables[i], packed->corners[i], bins.back(), scale, int(i)));
+    fill_fiv_box(tables[i], packed->corners[i], packed->size, 1 / scale, atlas);
+    blocks.push_back(describe_fiv(tables[i], packed->corners[i], bins.back(), scale, int(i)));
+    blocks.back().scale.y = most_hidden[i];
   }
   blocks.resize(std::size_t(fiv_max_tables));
   std::vector<V4f> knots(most * tables.size(), V4f(0, 0, 0, 0));
@@ -231,38 +138,100 @@ GpuFivTables upload(std::span<const FivTable> tables, const FivUploadParams& par
                                   packed->size, atlas.data(), gl::Filter::linear);
   out.spheres = gl::make_texture_2d(name_of(0), gl::Format::rgba32f, int(most), int(tables.size()), knots.data(),
                                     gl::Filter::nearest);
-  out.tables = uniform_buffer(blocks.data(), blocks.size() * sizeof(TableBlock), GL_STATIC_DRAW);
+  out.tables = uniform_buffer(blocks.data(), blocks.size() * sizeof(FivTableBlock), GL_STATIC_DRAW);
   out.occluders = uniform_buffer(nullptr, sizeof(OccluderBlock), GL_DYNAMIC_DRAW);
-  out.table_count = int(tables.size());
+  return out;
+}
+
+std::string numbered(std::span<const std::string> names, std::size_t i) {
+  return names.empty() ? fmt::format("FIV table {}", i) : names[i];
+}
+
+}  // namespace
+
+GpuFivTables upload(std::span<const FivTable> tables, const FivUploadParams& params,
+                    std::span<const std::string> names) {
+  assert(names.empty() || names.size() == tables.size());
+  std::vector<const FivTable*> all;
+  std::vector<std::string> texts;
+  std::vector<float> most;
+  std::vector<GpuFivTables::Set> sets;
+  for (std::size_t i = 0; i < tables.size(); ++i) {
+    sets.push_back({int(i), 1});
+    all.push_back(&tables[i]);
+    most.push_back(most_hidden(tables[i]));
+    texts.push_back(numbered(names, i));
+  }
+  GpuFivTables out = upload_all(all, most, params, texts);
+  out.sets = std::move(sets);
   set_occluders(out, {});
   return out;
 }
 
-GpuFivTables load_fiv_tables(std::span<const std::string> paths, const FivUploadParams& params) {
-  std::vector<FivTable> tables;
-  for (const std::string& path : paths) tables.push_back(read_fiv(path));
-  return upload(tables, params, paths);
+GpuFivTables upload(std::span<const FivSet> sets, const FivUploadParams& params, std::span<const std::string> names) {
+  assert(names.empty() || names.size() == sets.size());
+  std::vector<const FivTable*> all;
+  std::vector<std::string> texts;
+  std::vector<float> most;
+  std::vector<GpuFivTables::Set> of_file;
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    of_file.push_back({int(all.size()), int(sets[i].turns.size())});
+    float of_set = 0;
+    for (const FivTable& table : sets[i].turns) {
+      all.push_back(&table);
+      texts.push_back(numbered(names, i));
+      of_set = std::max(of_set, most_hidden(table));
+    }
+    most.resize(all.size(), of_set);
+  }
+  GpuFivTables out = upload_all(all, most, params, texts);
+  out.sets = std::move(of_file);
+  set_occluders(out, {});
+  return out;
 }
 
-void set_occluders(GpuFivTables& fiv, std::span<const GpuFivOccluder> occluders) {
+bool can_turn(const GpuFivTables& fiv, const GpuFivOccluder& occluder, float environment_turn_rad) {
+  const int turns = fiv.sets[std::size_t(occluder.table)].turns;
+  return blend_of_turn(turns, double(occluder.turn_rad) - double(environment_turn_rad)).has_value();
+}
+
+GpuFivTables load_fiv_tables(std::span<const std::string> paths, const FivUploadParams& params) {
+  std::vector<FivSet> sets;
+  for (const std::string& path : paths) sets.push_back(read_fiv_set(path));
+  return upload(sets, params, paths);
+}
+
+void set_occluders(GpuFivTables& fiv, std::span<const GpuFivOccluder> occluders, float environment_turn_rad) {
   if (occluders.size() > std::size_t(fiv_max_occluders)) {
     throw Error("FIV occluders", fmt::format("there are {}, and a set takes {}", occluders.size(), fiv_max_occluders),
                 "leave out the farthest");
   }
   auto block = std::make_unique<OccluderBlock>();
+  const M33f back = turn_about_y(-double(environment_turn_rad));
   block->count[0] = int(occluders.size());
   for (std::size_t i = 0; i < occluders.size(); ++i) {
     const GpuFivOccluder& o = occluders[i];
-    assert(o.table >= 0 && o.table < fiv.table_count && o.radius_m > 0);
-    block->place[i] = {o.center_m.x, o.center_m.y, o.center_m.z, o.radius_m};
-    block->table_of[i][0] = o.table;
+    assert(o.table >= 0 && o.table < int(fiv.sets.size()) && o.radius_m > 0);
+    const GpuFivTables::Set& set = fiv.sets[std::size_t(o.table)];
+    const std::optional<FivBlend> blend = blend_of_turn(set.turns, double(o.turn_rad) - double(environment_turn_rad));
+    if (!blend) {
+      throw Error("FIV occluders", fmt::format("number {} is turned, and its table holds one turn only", i),
+                  "bake it with ivory bake fiv --turns N");
+    }
+    // To where the environment has its own axes; the shaders take receivers there.
+    const V3f center = environment_turn_rad == 0 ? o.center_m : o.center_m * back;
+    block->place[i] = {center.x, center.y, center.z, o.radius_m};
+    block->table_of[i] = {set.first + blend->first, set.first + blend->second,
+                          std::bit_cast<std::int32_t>(blend->share), 0};
   }
+  fiv.environment_turn_rad = environment_turn_rad;
   IVORY_GL(glBindBuffer, GL_UNIFORM_BUFFER, fiv.occluders.id());
   IVORY_GL(glBufferSubData, GL_UNIFORM_BUFFER, 0, GLsizeiptr(sizeof(OccluderBlock)), block.get());
 }
 
-std::string fiv_defines(FivOverlap overlap, bool self) {
-  return fmt::format("#define IVORY_FIV_OVERLAP {}\n{}", int(overlap), self ? "#define IVORY_FIV_SELF\n" : "");
+std::string fiv_defines(FivOverlap overlap, bool self, bool turns) {
+  return fmt::format("#define IVORY_FIV_OVERLAP {}\n{}{}", int(overlap), self ? "#define IVORY_FIV_SELF\n" : "",
+                     turns ? "#define IVORY_FIV_TURNS\n" : "");
 }
 
 int bind(const GpuFivTables& fiv, const GpuDifMap& unshadowed, gl::Program& program, int first_unit,

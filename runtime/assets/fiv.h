@@ -5,8 +5,9 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <vector>
 
-#include "grid/fiv/light.h"
+#include "grid/fiv/set.h"
 #include "runtime/assets/difmap.h"
 #include "runtime/assets/sh9.h"
 #include "runtime/gl/gl.h"
@@ -25,11 +26,13 @@ struct FivUploadParams {
   bool half_floats = false;  // RGBA16F instead of RGBA32F: half the memory, moments to 2^-11
 };
 
-// An occluder where it stands: a table may have many. Moved and evenly scaled, not turned.
+// An occluder where it stands: a table may have many. Moved and evenly scaled; turned about +Y where there are tables
+// of its turns (grid/fiv/set.h).
 struct GpuFivOccluder {
-  int table = 0;
+  int table = 0;          // or set of turns: number of the file
   V3f center_m{0, 0, 0};  // of the bounding sphere, in the world
   float radius_m = 1;
+  float turn_rad = 0;  // about +Y, against how the mesh was baked
 };
 
 struct GpuFivTables {
@@ -37,8 +40,14 @@ struct GpuFivTables {
   gl::Texture spheres;
   gl::Buffer tables;
   gl::Buffer occluders;
-  int table_count = 0;
-  std::size_t bytes() const;  // of textures and buffers
+  struct Set {
+    int first = 0;  // table
+    int turns = 1;
+  };
+  std::vector<Set> sets;           // one a table or set that was uploaded
+  float environment_turn_rad = 0;  // as set_occluders() was told
+  bool turns() const;              // has any of them several tables?
+  std::size_t bytes() const;       // of textures and buffers
 };
 
 // Needs a current context. One to fiv_max_tables tables, of any sizes, with one or six hemispheres; no occluders yet.
@@ -47,15 +56,26 @@ struct GpuFivTables {
 GpuFivTables upload(std::span<const FivTable> tables, const FivUploadParams& params = {},
                     std::span<const std::string> names = {});
 
-// read_fiv() and upload(): throws Error as they do, naming the file.
+// The same of sets of turns; fiv_max_tables tables in all.
+GpuFivTables upload(std::span<const FivSet> sets, const FivUploadParams& params = {},
+                    std::span<const std::string> names = {});
+
+// read_fiv_set() and upload(): throws Error as they do, naming the file.
 GpuFivTables load_fiv_tables(std::span<const std::string> paths, const FivUploadParams& params = {});
 
-// Replaces all occluders, in the order that `self` counts them; cheap enough for every frame. Throws Error for more
-// than fiv_max_occluders.
-void set_occluders(GpuFivTables& fiv, std::span<const GpuFivOccluder> occluders);
+// Can an occluder of that table stand turned so under an environment that is turned by environment_turn_rad? Where the
+// two differ it needs a set of turns.
+bool can_turn(const GpuFivTables& fiv, const GpuFivOccluder& occluder, float environment_turn_rad = 0);
 
-// #define lines to put before shaders/ambient/fiv.glsl; `self`: for objects that are occluders themselves.
-std::string fiv_defines(FivOverlap overlap, bool self);
+// Replaces all occluders, in the order that `self` counts them, and turns the environment of the tables about +Y,
+// against how they were baked; cheap enough for every frame. The unshadowed light has a turn of its own
+// (GpuDifMap::turn_rad, GpuSh9::turn_rad), to be set beside it. Throws Error for more than fiv_max_occluders, and for
+// one that can_turn() says no of.
+void set_occluders(GpuFivTables& fiv, std::span<const GpuFivOccluder> occluders, float environment_turn_rad = 0);
+
+// #define lines to put before shaders/ambient/fiv.glsl; `self`: for objects that are occluders themselves; `turns`:
+// where there is a set of turns.
+std::string fiv_defines(FivOverlap overlap, bool self, bool turns = false);
 
 // Bind three textures from `first_unit` on and the uniform buffers, and set the uniforms of shaders/ambient/fiv.glsl;
 // make the program current. `unshadowed`: of the environment that the tables were baked under. `self`: index of the

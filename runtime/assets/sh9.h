@@ -12,6 +12,7 @@ namespace ivory {
 
 struct GpuSh9 {
   Sh9MatricesF matrices{};  // E in lux is (n 1) M (n 1)^T; uniforms: there are no OpenGL objects
+  float turn_rad = 0;       // of the environment about +Y, against how it was baked; may change from frame to frame
   std::size_t bytes() const { return sizeof(matrices); }
 };
 

@@ -36,6 +36,8 @@ std::string& last_error() {
 Rgb rgb_of(const float (&c)[3]) { return {c[0], c[1], c[2]}; }
 Sphere sphere_of(const ivory_sphere& s) { return {V3f(s.center_m[0], s.center_m[1], s.center_m[2]), s.radius_m}; }
 
+float radians(float degrees) { return degrees * (pi / 180); }
+
 void require(bool good, const char* what, const char* cause) {
   if (!good) throw Error(what, cause, "see runtime/c/ivory.h");
 }
@@ -61,6 +63,7 @@ struct ivory_light {
   std::string shader;
   std::optional<ivory::V3d> anchor_m;  // none where it has several
   bool is_sum = false;
+  std::vector<ivory::GpuFivOccluder> occluders;  // of FIV tables, as they were set last
 };
 
 namespace {
@@ -216,13 +219,31 @@ int ivory_set_occluders(ivory_light* fiv, const ivory_occluder* occluders, int c
     require(count >= 0 && (occluders != nullptr || count == 0), "occluders", "are NULL");
     std::vector<GpuFivOccluder> placed;
     for (const ivory_occluder& occluder : std::span(occluders, std::size_t(count))) {
-      require(occluder.table >= 0 && occluder.table < tables.table_count, "occluders",
+      require(occluder.table >= 0 && occluder.table < int(tables.sets.size()), "occluders",
               "one has a table that is not there");
       require(occluder.radius_m > 0, "occluders", "one has no extent");
       const float(&c)[3] = occluder.center_m;
-      placed.push_back({occluder.table, V3f(c[0], c[1], c[2]), occluder.radius_m});
+      placed.push_back({occluder.table, V3f(c[0], c[1], c[2]), occluder.radius_m, radians(occluder.turn_deg)});
     }
-    set_occluders(tables, placed);
+    set_occluders(tables, placed, tables.environment_turn_rad);
+    fiv->occluders = std::move(placed);
+    return 0;
+  });
+}
+
+int ivory_turn_environment(ivory_light* light, float turn_deg) {
+  return caught(-1, [&] {
+    require(light != nullptr && !light->is_sum, "light", "is no environment");
+    if (std::holds_alternative<std::shared_ptr<GpuFivTables>>(light->assets.front()))
+      set_occluders(own_asset<GpuFivTables>(light, "light"), light->occluders, radians(turn_deg));
+    Asset& asset = light->assets.back();
+    if (const auto* sh9 = std::get_if<std::shared_ptr<GpuSh9>>(&asset)) {
+      (*sh9)->turn_rad = radians(turn_deg);
+    } else if (const auto* difmap = std::get_if<std::shared_ptr<GpuDifMap>>(&asset)) {
+      (*difmap)->turn_rad = radians(turn_deg);
+    } else {
+      require(false, "light", "is no environment");
+    }
     return 0;
   });
 }

@@ -64,10 +64,16 @@ typedef struct ivory_occluder {
   int table;         /* index into the paths of ivory_load_fiv() */
   float center_m[3]; /* of its bounding sphere, in the world */
   float radius_m;
+  float turn_deg; /* about +Y, counter-clockwise seen from above; other than the environment's for a table of
+                   * `bake fiv --turns` alone */
 } ivory_occluder;
 
 /* Replaces all occluders; cheap enough for every frame. Returns 0. */
 int ivory_set_occluders(ivory_light* fiv, const ivory_occluder* occluders, int count);
+
+/* Turns an environment about +Y, against how it was baked: an SH9, a DifMap, or FIV tables and with them the
+ * environment that they were loaded with. Cheap enough for every frame. Returns 0. */
+int ivory_turn_environment(ivory_light* light, float turn_deg);
 
 typedef struct ivory_sphere {
   float center_m[3]; /* in the world */

@@ -86,4 +86,18 @@ GpuMesh upload(const MeshData& data, const std::string& what) {
   return mesh;
 }
 
+void update(GpuMesh& mesh, const MeshData& data, const std::string& what) {
+  gl::require_context();
+  const std::size_t bytes = data.positions.size() * sizeof(Vertex);
+  if (mesh.size_bytes != bytes + data.triangles.size_bytes() || mesh.index_count != int(3 * data.triangles.size()) ||
+      mesh.has_normals != !data.normals.empty() || mesh.has_tangents != (mesh.has_normals && !data.tangents.empty()))
+    throw Error(what, "the mesh has other vertices than the one that it poses", "upload it as another");
+  const std::vector<Vertex> vertices = interleave(data);
+  IVORY_GL(glBindBuffer, GL_ARRAY_BUFFER, mesh.vertices.id());
+  // As a whole, so that drawing of the last pose need not be waited for.
+  IVORY_GL(glBufferData, GL_ARRAY_BUFFER, GLsizeiptr(bytes), vertices.data(), GL_DYNAMIC_DRAW);
+  mesh.bounds.makeEmpty();
+  for (const V3f& p : data.positions) mesh.bounds.extendBy(p);
+}
+
 }  // namespace ivory

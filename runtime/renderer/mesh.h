@@ -38,4 +38,8 @@ struct GpuMesh {
 // memory runs out.
 GpuMesh upload(const MeshData& data, const std::string& what = "mesh");
 
+// The same mesh in another pose: as many vertices and triangles, and normals and tangents where it had them. Throws
+// Error naming `what` where that is not so.
+void update(GpuMesh& mesh, const MeshData& data, const std::string& what = "mesh");
+
 }  // namespace ivory

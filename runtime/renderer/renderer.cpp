@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "grid/base/placement.h"
 #include "runtime/gl/check.h"
 
 namespace ivory {
@@ -25,12 +26,14 @@ constexpr const char* sky_fragment = R"(
 uniform mat4 world_from_clip;
 uniform sampler2D sky;
 uniform float scale;
+uniform mat3 from_world;
 in vec2 ndc;
 out vec4 fragment;
 void main() {
   vec4 near = world_from_clip * vec4(ndc, -1.0, 1.0);
   vec4 far = world_from_clip * vec4(ndc, 1.0, 1.0);
-  fragment = vec4(ivory_sky(sky, normalize(far.xyz / far.w - near.xyz / near.w)) * scale, 1.0);
+  vec3 w = normalize(far.xyz / far.w - near.xyz / near.w);
+  fragment = vec4(ivory_sky(sky, from_world * w) * scale, 1.0);
 }
 )";
 
@@ -142,6 +145,7 @@ void Renderer::draw_sky(const FrameParams& frame) {
   if (!empty_) empty_ = gl::make<gl::Kind::vertex_array>();
   found.set("world_from_clip", frame.camera.clip_from_world.inverse());
   found.set("scale", frame.sky_scale * frame.exposure);
+  found.set("from_world", turn_about_y(-double(frame.sky_turn_rad)));
   found.set("sky", 0);
   gl::bind(*frame.sky, 0);
   IVORY_GL(glDepthFunc, GL_LEQUAL);

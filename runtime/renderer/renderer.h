@@ -48,6 +48,7 @@ struct FrameParams {
   std::function<int(gl::Program& program, int first_unit)> bind_output;  // its uniforms; may be empty
   const gl::Texture* sky = nullptr;  // lat-long radiance in nits behind everything (shaders/env/sky.glsl)
   float sky_scale = 1;               // factor on it
+  float sky_turn_rad = 0;            // about +Y, counter-clockwise seen from above
   Rgb background{0, 0, 0};           // nits, where there is no sky
 };
 

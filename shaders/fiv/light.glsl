@@ -46,12 +46,11 @@ IvoryFivShadows ivory_fiv_no_shadows() {
   return shadows;
 }
 
-// For a receiver at q (in bounding radii) over whose plane the centre stands `height` high, above -1.
-IvoryFivShadow ivory_fiv_shadow_of(sampler3D atlas, sampler2D spheres, IvoryFivTable table, vec3 q, float height,
-                                   vec3 n, int straddling, vec3 unshadowed) {
+// For a receiver at q (in bounding radii) over whose plane the centre stands `height` high, above -1, of what the
+// occluder hides there.
+IvoryFivShadow ivory_fiv_shadow_by(IvoryFivMoments moments, IvoryFivTable table, vec3 q, float height, vec3 n,
+                                   int straddling, vec3 unshadowed) {
   float r = length(q);
-  // Wholly above the plane n.F says all.
-  IvoryFivMoments moments = ivory_lookup(atlas, spheres, table, q, height < 1.0 && straddling == 0);
   IvoryFivShadow shadow;
   shadow.towards = r > 0.0 ? q / -r : n;
   shadow.disc_radius = r > 1.0 ? 1.0 / r : 1.0;
@@ -66,6 +65,14 @@ IvoryFivShadow ivory_fiv_shadow_of(sampler3D atlas, sampler2D spheres, IvoryFivT
                shadow.disc_radius;
   shadow.gathered = shadow.luminance > 0.0 ? clamp(1.0 - even / shadow.luminance, 0.0, 1.0) : 0.0;
   return shadow;
+}
+
+// The same of what its table says.
+IvoryFivShadow ivory_fiv_shadow_of(sampler3D atlas, sampler2D spheres, IvoryFivTable table, vec3 q, float height,
+                                   vec3 n, int straddling, vec3 unshadowed) {
+  // Wholly above the plane n.F says all.
+  IvoryFivMoments moments = ivory_lookup(atlas, spheres, table, q, height < 1.0 && straddling == 0);
+  return ivory_fiv_shadow_by(moments, table, q, height, n, straddling, unshadowed);
 }
 
 // Area that two discs share in a plane, their centres `apart`.

@@ -83,7 +83,7 @@ TEST_F(RuntimeC, GivesTheLightOfTheAssets) {
   ASSERT_NE(shadowed, nullptr) << ivory_error();
   ivory_free(light);  // the tables keep what they need of it
   EXPECT_EQ(read(shadowed), read(ambient(sh9))) << "no occluder stands anywhere yet";
-  const ivory_occluder occluders[]{{0, {1, 0, 0}, 0.5F}, {0, {-1, 1, 0.5F}, 1}};
+  const ivory_occluder occluders[]{{0, {1, 0, 0}, 0.5F, 0}, {0, {-1, 1, 0.5F}, 1, 0}};
   EXPECT_EQ(ivory_set_occluders(shadowed, occluders, 2), 0) << ivory_error();
   GpuFivTables fiv = load_fiv_tables(std::vector<std::string>{fiv_name});
   set_occluders(fiv, std::vector<GpuFivOccluder>{{0, V3f(1, 0, 0), 0.5F}, {0, V3f(-1, 1, 0.5F), 1}});
@@ -91,7 +91,21 @@ TEST_F(RuntimeC, GivesTheLightOfTheAssets) {
   EXPECT_NE(hidden, read(ambient(sh9)));
   EXPECT_EQ(read(shadowed), hidden);
 
-  const ivory_occluder foreign{1, {0, 0, 0}, 1};
+  // One table each: they may go round with the environment, not against it.
+  EXPECT_EQ(ivory_turn_environment(shadowed, 40), -1);
+  EXPECT_NE(std::string(ivory_error()).find("--turns"), std::string::npos) << ivory_error();
+  EXPECT_EQ(read(shadowed), hidden);
+  EXPECT_EQ(ivory_set_occluders(shadowed, nullptr, 0), 0);
+  EXPECT_EQ(ivory_turn_environment(shadowed, 40), 0) << ivory_error();
+  const ivory_occluder turning[]{{0, {1, 0, 0}, 0.5F, 40}};
+  EXPECT_EQ(ivory_set_occluders(shadowed, turning, 1), 0) << ivory_error();
+  const float turn_rad = 40 * (pi / 180);
+  set_occluders(fiv, std::vector<GpuFivOccluder>{{0, V3f(1, 0, 0), 0.5F, turn_rad}}, turn_rad);
+  GpuSh9 turned = sh9;
+  turned.turn_rad = turn_rad;
+  EXPECT_EQ(read(shadowed), read(ambient(fiv, turned)));
+
+  const ivory_occluder foreign{1, {0, 0, 0}, 1, 0};
   EXPECT_EQ(ivory_set_occluders(shadowed, &foreign, 1), -1);
   expect_error("occluders");
   ivory_free(shadowed);

@@ -54,7 +54,7 @@ TEST_F(RuntimeFivFiles, LoadAndGoAgain) {
   const int before = live_gl_objects();
   {
     const GpuFivTables gpu = load_fiv_tables(std::vector{path("six.exr"), path("one.exr")});
-    EXPECT_EQ(gpu.table_count, 2);
+    EXPECT_EQ(gpu.sets.size(), 2U);
     EXPECT_EQ(live_gl_objects(), before + 4);
     // 3 x 17 by 3 x 9 by 6 texels and 3 x 10 by 5 by 4, of 16 bytes.
     EXPECT_GE(gpu.atlas.bytes(), std::size_t(51 * 27 * 6 + 30 * 5 * 4) * 16);

@@ -28,6 +28,7 @@ std::vector<std::pair<std::string, std::string>> fragment_shaders() {
     std::vector<std::string> variants{""};
     if (name == "ambient/lobes.glsl") variants.emplace_back("#define IVORY_LOBES_GLOSSY\n");
     if (name == "ambient/fiv.glsl") {
+      variants.emplace_back("#define IVORY_FIV_TURNS\n#define IVORY_FIV_SELF\n");
       for (const char* overlap : {"0", "1", "2", "3"})
         variants.push_back("#define IVORY_FIV_OVERLAP " + std::string(overlap) + "\n");
     }

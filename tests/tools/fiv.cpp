@@ -170,7 +170,7 @@ TEST_F(FivCommand, TablesOfOtherLightOrOtherMeshesAreRefused) {
   expect_one_line(render + " --env " + path("other.hdr") + " --occluder thing=" + path("a.exr"), 1,
                   "another environment (sky.hdr)");
   std::vector<V3f> turned;
-  for (const V3f& p : thing()) turned.emplace_back(-p.x, p.y, -p.z);
+  for (const V3f& p : thing()) turned.emplace_back(p.x, -p.y, -p.z);
   write_mesh("turned.glb", "thing", turned);
   std::string other = render;
   other.replace(other.find("thing.glb"), 9, "turned.glb");

@@ -27,6 +27,7 @@
 #include "tools/input/environment.h"
 #include "tools/input/scene.h"
 #include "tracer/bake/fiv/choose.h"
+#include "tracer/bake/fiv/turns.h"
 
 namespace ivory {
 
@@ -41,6 +42,7 @@ struct BakeFivOptions {
   ExrPrecision precision = ExrPrecision::float32;
   FivParams params;
   AssetContract contract;
+  int turns = 1;
 };
 
 // Receivers that samples are chosen at, and others that the result is judged at.
@@ -66,7 +68,8 @@ FivParams params_of(const BakeFivOptions& options) {
 }
 
 void check_size(const BakeFivOptions& options, const FivParams& params) {
-  const double samples = double(params.samples.x) * double(params.samples.y) * double(params.samples.z);
+  const double samples =
+      double(params.samples.x) * double(params.samples.y) * double(params.samples.z) * double(options.turns);
   const double numbers = 3 * fiv_function_count(params.hemispheres);
   check_memory(options.output, fiv_bake_bytes(params), "ask for fewer --samples");
   if (samples * numbers > 2e9)
@@ -81,7 +84,9 @@ FivTable rounded(FivTable table) {
 
 // What the choice and the bake have come to.
 struct Baked {
-  FivTable table;
+  FivSet set;
+  FivTable& table() { return set.turns.front(); }
+  const FivTable& table() const { return set.turns.front(); }
   MeasuredError predicted;  // where something was chosen or is only planned
 };
 
@@ -91,20 +96,20 @@ Baked bake_table(const FivOccluder& occluder, const CubeMap& cube, const BakeFiv
     const std::vector<int> hemispheres =
         hemispheres_given ? std::vector<int>{params.hemispheres} : std::vector<int>{1, 6};
     FivChoice choice = choose_fiv(occluder, cube, params, *pilot, *options.contract.target, hemispheres);
-    return {std::move(choice.table), choice.predicted};
+    return {FivSet{{std::move(choice.table)}}, choice.predicted};
   }
-  Baked baked{bake_fiv(occluder, cube, params), {}};
-  if (pilot != nullptr) baked.predicted = fiv_error(baked.table, *pilot);
+  Baked baked{bake_fiv_turns(occluder, cube, params, options.turns), {}};
+  if (pilot != nullptr) baked.predicted = fiv_error(baked.table(), *pilot);
   return baked;
 }
 
 BakePlan make_plan(const Baked& baked, ExrPrecision precision, double seconds) {
   BakePlan plan;
-  const V3i& size = baked.table.size;
+  const V3i& size = baked.table().size;
   plan.knobs["samples"] = fmt::format("{},{},{}", size.x, size.y, size.z);
-  plan.knobs["hemispheres"] = baked.table.hemispheres;
+  plan.knobs["hemispheres"] = baked.table().hemispheres;
   plan.seconds = within_factor(1.2 * seconds, 1.6);
-  const double numbers = double(baked.table.values.size());
+  const double numbers = double(baked.table().values.size());
   plan.memory_bytes = within_factor(peak_memory_bytes(), 1.3);
   const double bytes = numbers * (precision == ExrPrecision::float32 ? 4 : 2);
   plan.file_bytes = {0.4 * bytes, 0.85 * bytes, bytes + 8192};
@@ -121,6 +126,10 @@ void run_bake_fiv(const BakeFivOptions& options, const Command& command, const C
     if (!hemispheres_given) params.hemispheres = 6;
   }
   check_size(options, params);
+  if (options.turns > 1 && (contract.measures() || contract.dry_run)) {
+    throw UsageError(
+        "--turns: errors are chosen by, and certified of, one table; find --samples and --hemispheres without it");
+  }
   check_output(options.output, ".exr", options.contract, common);
   MeshInput mesh = load_mesh_input(options.mesh, options.load, common);
   LoadedScene& loaded = mesh.loaded;
@@ -141,7 +150,7 @@ void run_bake_fiv(const BakeFivOptions& options, const Command& command, const C
   std::optional<FivTruth> pilot;
   if (contract.target || contract.dry_run) pilot = trace_truth(pilot_receivers, pilot_seed);
   Baked baked = bake_table(occluder, cube, options, params, pilot ? &*pilot : nullptr, hemispheres_given);
-  FivTable& table = baked.table;
+  FivTable& table = baked.table();
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (contract.dry_run) {
     print_plan(options.output, make_plan(baked, options.precision, seconds), contract, loaded.warnings, common);
@@ -149,6 +158,7 @@ void run_bake_fiv(const BakeFivOptions& options, const Command& command, const C
   }
 
   Metadata& m = table.metadata = fiv_facts(mesh, occluder, params, environment.origin);
+  if (options.turns > 1) m["turns"] = std::int64_t(options.turns);
   const V3d center = to_world(occluder.center_m, occluder.anchor_m);
   std::optional<Certificate> certificate;
   if (contract.measures()) {
@@ -160,9 +170,10 @@ void run_bake_fiv(const BakeFivOptions& options, const Command& command, const C
                     certificate_receivers, nearest_fiv_gap, farthest_fiv_gap));
     keep_certificate(*certificate, m);
   }
-  write_fiv(options.output, table, options.precision, common.force);
+  write_fiv(options.output, baked.set, options.precision, common.force);
 
-  const std::uint64_t bytes = table.values.size() * (options.precision == ExrPrecision::float32 ? 4 : 2);
+  const std::uint64_t bytes =
+      std::uint64_t(options.turns) * table.values.size() * (options.precision == ExrPrecision::float32 ? 4 : 2);
   nlohmann::ordered_json result;
   result["output"] = options.output;
   result["samples"] = {table.size.x, table.size.y, table.size.z};
@@ -177,12 +188,13 @@ void run_bake_fiv(const BakeFivOptions& options, const Command& command, const C
   result.update(to_json(table.metadata));
   result["seconds"] = seconds;
   std::string human = fmt::format(
-      "{}: {} x {} x {} samples, {} hemisphere{}, {} of {}, {:.1f} s\n"
+      "{}: {}{} x {} x {} samples, {} hemisphere{}, {} of {}, {:.1f} s\n"
       "bounding sphere of {:.4g} m around {:.4g} {:.4g} {:.4g}; spheres from {:.3g} to {:.3g} of "
       "its radius\n",
-      options.output, table.size.x, table.size.y, table.size.z, table.hemispheres, table.hemispheres == 1 ? "" : "s",
-      format_bytes(bytes), name_of(options.precision), seconds, table.radius_m, center.x, center.y, center.z,
-      table.radii.front(), table.radii.back());
+      options.output, options.turns > 1 ? fmt::format("{} turns, ", options.turns) : "", table.size.x, table.size.y,
+      table.size.z, table.hemispheres, table.hemispheres == 1 ? "" : "s", format_bytes(bytes),
+      name_of(options.precision), seconds, table.radius_m, center.x, center.y, center.z, table.radii.front(),
+      table.radii.back());
   if (certificate) report_certificate(*certificate, result, human, loaded.warnings, common);
   result["warnings"] = loaded.warnings;
   print_result(common, result, human);
@@ -209,6 +221,11 @@ void add_bake_fiv_command(Command bake, CommonOptions& common) {
                   "1: one vector per colour and sample, as published; 6: the vectors of six hemispheres, four\n"
                   "times the memory, right where the occluder reaches below a receiver's plane")
       .one_of({"1", "6"});
+  command
+      .add_option("--turns", options->turns,
+                  "Tables of the mesh turned about +Y, evenly spaced over a whole turn: for occluders that turn, and\n"
+                  "under a sky that turns; readers mix the two nearest. So many times the bytes and the time")
+      .within(1, 360);
   add_contract_options(
       command, options->contract,
       "Error of E around the occluder to be reached, RMS ÷ mean unshadowed E, as 2% or 0.02",
@@ -230,7 +247,8 @@ void add_bake_fiv_command(Command bake, CommonOptions& common) {
                   "dim parts of the environment, four times as many for the brightest")
       .within(8, 1024);
   command.footer(
-      "The table serves the mesh wherever it is moved to, evenly scaled, under that environment, not turned.\n"
+      "The table serves the mesh wherever it is moved to, evenly scaled, under that environment, not turned;\n"
+      "by --turns also turned about +Y.\n"
       "The same command gives the same bytes with any --threads.\n"
       "\nExamples:\n"
       "  ivory bake fiv bunny.glb --env sky.hdr -o bunny.exr --hemispheres 6\n"

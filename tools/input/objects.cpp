@@ -1,6 +1,8 @@
 #include "tools/input/objects.h"
 
+#include <algorithm>
 #include <array>
+#include <filesystem>
 #include <optional>
 #include <utility>
 
@@ -8,6 +10,7 @@
 
 #include "grid/base/anchor.h"
 #include "grid/base/error.h"
+#include "tools/cli/numbers.h"
 
 namespace ivory {
 
@@ -37,9 +40,28 @@ std::vector<bool> instances_below(const Scene& scene, const std::string& name) {
   return found;
 }
 
+// Instance and what it lights by itself, as `placement` says.
+void move_instance(Scene& scene, std::size_t i, const Placement& placement) {
+  Instance& instance = scene.instances[i];
+  // A place that turns nothing adds to the numbers that are there, as exactly as they were stored.
+  if (placement.turn_deg == V3f(0, 0, 0) && placement.scale == 1) {
+    for (unsigned c = 0; c < 3; ++c) instance.to_world[3][c] += placement.offset_m[c];
+  } else {
+    const Imath::M44d moved = Imath::M44d(instance.to_world) * Imath::M44d(to_matrix(placement));
+    instance.to_world = M44f(moved);
+  }
+  for (SphereLight& light : scene.sphere_lights) {
+    if (light.instance != int(i)) continue;
+    light.center = placed(placement, light.center);
+    light.radius_m *= placement.scale;
+  }
+}
+
 // All of `object`, moved in the world; handles are shifted past those of `scene`.
-void append(Scene& scene, Scene object, const V3d& translation) {
-  const V3f offset = to_local(object.anchor_m + translation, scene.anchor_m);
+void append(Scene& scene, Scene object, const ObjectPlace& place) {
+  const Placement placement{to_local(object.anchor_m + place.offset_m, scene.anchor_m), place.turn_deg, place.scale,
+                            pivot_of_file(object)};
+  for (std::size_t i = 0; i < object.instances.size(); ++i) move_instance(object, i, placement);
   const int images = int(scene.images.size());
   const int textures = int(scene.textures.size());
   const int materials = int(scene.materials.size());
@@ -58,12 +80,8 @@ void append(Scene& scene, Scene object, const V3d& translation) {
   for (Instance& instance : object.instances) {
     shift(instance.mesh, meshes);
     shift(instance.node, nodes);
-    for (unsigned c = 0; c < 3; ++c) instance.to_world[3][c] += offset[c];
   }
-  for (SphereLight& light : object.sphere_lights) {
-    shift(light.instance, instances);
-    light.center += offset;
-  }
+  for (SphereLight& light : object.sphere_lights) shift(light.instance, instances);
   const auto move = [](auto& to, auto& from) {
     to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
   };
@@ -78,21 +96,77 @@ void append(Scene& scene, Scene object, const V3d& translation) {
 
 }  // namespace
 
-std::optional<ObjectFile> parse_object(const std::string& text) {
-  if (is_scene_name(text)) return ObjectFile{text, V3d(0, 0, 0)};
-  const std::size_t at = text.rfind('@');
-  if (at == std::string::npos || !is_scene_name(text.substr(0, at))) return std::nullopt;
-  return ObjectFile{text.substr(0, at), parse_vector3("--object", text.substr(at + 1))};
+ObjectPlace parse_place(std::string_view option, std::string_view text) {
+  constexpr std::string_view form = "X,Y,Z[,RX,RY,RZ[,SCALE]]: metres, degrees about +X, +Y and +Z, a factor";
+  const auto commas = std::size_t(std::count(text.begin(), text.end(), ','));
+  const std::size_t count = commas >= 6 ? 7 : commas >= 3 ? 6 : 3;
+  const std::vector<double> v = parse_numbers(option, text, count, form);
+  ObjectPlace place;
+  place.offset_m = {v[0], v[1], v[2]};
+  if (count > 3) place.turn_deg = V3f(V3d(v[3], v[4], v[5]));
+  if (count > 6) place.scale = float(v[6]);
+  if (!(place.scale >= 1e-6F && place.scale <= 1e6F))
+    throw UsageError(fmt::format("{}: a scale is from 0.000001 to 1000000, not {}", option, v.back()));
+  return place;
 }
 
-std::vector<bool> place_objects(Scene& scene, const std::vector<std::string>& objects, const SceneOptions& options,
+NamedPlace parse_named_place(const std::string& text) {
+  const std::size_t equals = text.rfind('=');
+  if (equals == std::string::npos || equals == 0)
+    throw UsageError(fmt::format("--place: '{}' is not OBJECT=X,Y,Z[,RX,RY,RZ[,SCALE]]", text));
+  return {text.substr(0, equals), parse_place("--place", std::string_view(text).substr(equals + 1))};
+}
+
+Option add_place_option(Command command, std::vector<std::string>& places) {
+  return command
+      .add_option("--place", places,
+                  "How the object of that name (node or file) stands: moved by X,Y,Z metres from where its file has\n"
+                  "it, turned by degrees about +X, then +Z, then +Y, and scaled, about the origin of its file or of\n"
+                  "the node's first mesh; may be repeated. --object FILE.glb@PLACE takes the same numbers")
+      .repeated()
+      .type_name("OBJECT=X,Y,Z[,RX,RY,RZ[,SCALE]]");
+}
+
+V3f pivot_of_node(const Scene& scene, const std::string& name) {
+  const std::vector<bool> found = instances_below(scene, name);
+  const auto first = std::size_t(std::find(found.begin(), found.end(), true) - found.begin());
+  const M44f& m = scene.instances[first].to_world;
+  return {m[3][0], m[3][1], m[3][2]};
+}
+
+V3f pivot_of_file(const Scene& object) { return to_local(V3d(0, 0, 0), object.anchor_m); }
+
+std::optional<ObjectFile> parse_object(const std::string& text) {
+  if (is_scene_name(text)) return ObjectFile{text, {}};
+  const std::size_t at = text.rfind('@');
+  if (at == std::string::npos || !is_scene_name(text.substr(0, at))) return std::nullopt;
+  return ObjectFile{text.substr(0, at), parse_place("--object", std::string_view(text).substr(at + 1))};
+}
+
+std::vector<bool> place_objects(Scene& scene, const std::vector<std::string>& objects,
+                                const std::vector<NamedPlace>& places, const SceneOptions& options,
                                 const CommonOptions& common) {
   std::vector<bool> is_object(scene.instances.size(), false);
+  std::vector<bool> used(places.size(), false);
+  const auto place_of = [&](const std::string& name) {
+    std::optional<ObjectPlace> place;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (places[i].object != name) continue;
+      place = places[i].place;
+      used[i] = true;
+    }
+    return place;
+  };
   for (const std::string& text : objects) {
     const std::optional<ObjectFile> file = parse_object(text);
     if (!file) {
       const std::vector<bool> found = instances_below(scene, text);
-      for (std::size_t i = 0; i < found.size(); ++i) is_object[i] = is_object[i] || found[i];
+      const std::optional<ObjectPlace> place = place_of(text);
+      const V3f pivot = pivot_of_node(scene, text);
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        is_object[i] = is_object[i] || found[i];
+        if (found[i] && place) move_instance(scene, i, {V3f(place->offset_m), place->turn_deg, place->scale, pivot});
+      }
       continue;
     }
     LoadedScene loaded = load_scene(file->path, object_params(options), common);
@@ -101,8 +175,12 @@ std::vector<bool> place_objects(Scene& scene, const std::vector<std::string>& ob
       throw Error(file->path, "has no triangles", "give --object a model with a mesh");
     if (!loaded.scene.lights.empty())
       print_note(common, fmt::format("note: the punctual lights of {} are left out", file->path));
-    append(scene, std::move(loaded.scene), file->translation);
+    const std::string name = std::filesystem::path(file->path).filename().string();
+    append(scene, std::move(loaded.scene), place_of(name).value_or(file->place));
     is_object.resize(scene.instances.size(), true);
+  }
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    if (!used[i]) throw UsageError(fmt::format("--place: there is no object '{}' (--object)", places[i].object));
   }
   return is_object;
 }

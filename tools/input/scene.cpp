@@ -1,5 +1,6 @@
 #include "tools/input/scene.h"
 
+#include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -35,7 +36,8 @@ bool is_scene_name(const std::string& path) {
   return extension == ".gltf" || extension == ".glb";
 }
 
-void check_environment(const std::string& path, const Metadata& metadata, const SceneInput& input) {
+void check_environment(const std::string& path, const Metadata& metadata, const SceneInput& input,
+                       EnvironmentTurn turn) {
   const auto baked = find_text(metadata, "environment_hash");
   const auto given = find_text(input.origin, "environment_hash");
   const bool lit = given.has_value();
@@ -43,7 +45,13 @@ void check_environment(const std::string& path, const Metadata& metadata, const 
     if (lit) throw Error(path, "was baked without an environment map", "leave out --env, or bake it with the same");
     return;
   }
-  if (baked == given) return;
+  if (baked == given) {
+    const double then = environment_turn_deg(metadata);
+    const double now = environment_turn_deg(input.origin);
+    if (turn == EnvironmentTurn::free || std::remainder(now - then, 360.0) == 0) return;
+    throw Error(path, fmt::format("was baked with --env-turn {} and the scene is taken with --env-turn {}", then, now),
+                fmt::format("give --env-turn {}, or bake it again", then));
+  }
   const std::string known = find_text(metadata, "environment").value_or("unknown");
   if (lit) throw Error(path, "was baked for another environment (" + known + ")", "bake it for the one given by --env");
   throw Error(path, "was baked for an environment (" + known + ")", "give that by --env, or bake it without");

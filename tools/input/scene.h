@@ -57,8 +57,10 @@ struct SceneInput {
 bool is_scene_name(const std::string& path);
 
 // Throws Error where `path`, an asset with that metadata, was baked for another environment than `input` has; none is
-// an environment like any other.
-void check_environment(const std::string& path, const Metadata& metadata, const SceneInput& input);
+// an environment like any other, and so is the same one turned otherwise, unless the asset's reader turns it.
+enum class EnvironmentTurn { fixed, free };
+void check_environment(const std::string& path, const Metadata& metadata, const SceneInput& input,
+                       EnvironmentTurn turn = EnvironmentTurn::fixed);
 
 // Throws Error where `path`, an asset with that metadata, was baked from the scene of that metadata (its file by name
 // or content) taken at another --scale.

@@ -16,7 +16,10 @@ namespace {
 ProbeEstimates probe_fiv(Straddling straddling, const ProbeRequest& request) {
   if (request.indirect_only)
     throw UsageError("--indirect-only: an FIV table holds light straight from the environment only");
-  const FivTable table = read_fiv(request.source);
+  const FivSet set = read_fiv_set(request.source);
+  const FivTable& table = set.turns.front();
+  if (set.turns.size() > 1)
+    print_note(request.common, "note: " + request.source + " holds several turns; the mesh unturned is read");
   const PointsTable& points = request.table;
   ProbeEstimates out;
   out.e.resize(points.p.size());

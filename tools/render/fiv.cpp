@@ -1,6 +1,8 @@
 // ivory render --method fiv: an environment's light among moving occluders.
 #include "grid/io/fiv.h"
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -8,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
+#include "grid/base/placement.h"
 #include "tools/input/ambient.h"
 #include "tools/input/objects.h"
 #include "tools/render/method.h"
@@ -61,27 +64,50 @@ Film render(const FivOptions& options, const RenderRequest& request) {
   const Scene& scene = *input.lit.scene;
   const std::map<int, std::string> table_of_node = tables_of_nodes(options, scene);
   struct OneTable {
-    FivTable table;
-    float most_hidden = 0;
+    FivSet set;
+    float most_hidden = 0;  // of any turn
   };
   std::map<std::string, OneTable> tables;
   FivScene fiv;
+  double environment_rad = 0;  // its turn, against the tables'
   fiv.occluder_of.assign(scene.instances.size(), -1);
   for (const auto& [node, path] : table_of_node) {
     if (!tables.contains(path)) {
-      FivTable table = read_fiv(path);
-      check_environment(path, table.metadata, input);
-      const float most = most_hidden(table);
-      tables[path] = {std::move(table), most};
+      FivSet set = read_fiv_set(path);
+      const Metadata& metadata = set.turns.front().metadata;
+      check_environment(path, metadata, input, EnvironmentTurn::free);
+      const double turn_deg = environment_turn_deg(input.origin) - environment_turn_deg(metadata);
+      const double turn_rad = std::remainder(turn_deg, 360.0) * radians_a_degree;
+      if (tables.empty()) environment_rad = turn_rad;
+      if (turn_rad != environment_rad) {
+        throw Error(path, "was baked with another --env-turn than " + tables.begin()->first,
+                    "bake all tables of a picture with the same");
+      }
+      float most = 0;
+      for (const FivTable& table : set.turns) most = std::max(most, most_hidden(table));
+      tables[path] = {std::move(set), most};
     }
+    const FivSet& set = tables[path].set;
     const std::vector<bool> part = instances_below(scene, node);
-    std::optional<FivPlacement> placement = find_placement(tables[path].table, scene, part);
-    if (!placement) {
-      throw Error(path,
-                  fmt::format("does not belong to node '{}': it was baked from another mesh, or the node is turned",
-                              scene.nodes[std::size_t(node)].name),
-                  "bake the node's own mesh, turned as it stands; moving and even scaling need no new table");
+    const std::optional<TurnedPlacement> found = find_turned_placement(set.turns.front(), scene, part);
+    if (!found) {
+      throw Error(
+          path,
+          fmt::format("does not belong to node '{}': it was baked from another mesh, or the node is turned otherwise "
+                      "than about +Y",
+                      scene.nodes[std::size_t(node)].name),
+          "bake the node's own mesh, turned as it stands; moving and even scaling need no new table");
     }
+    std::optional<FivPlacement> placement = turned_placement(set, found->at, found->turn_rad - environment_rad);
+    if (!placement) {
+      const bool by_sky = std::abs(found->turn_rad) < std::abs(environment_rad);
+      throw Error(path,
+                  fmt::format("holds one turn of the mesh, and {} turned by {:.4g} degrees against it",
+                              by_sky ? "the environment is" : "node '" + scene.nodes[std::size_t(node)].name + "' is",
+                              (by_sky ? environment_rad : found->turn_rad) * (1 / radians_a_degree)),
+                  "bake it with ivory bake fiv --turns 24");
+    }
+    placement->center_m = placement->center_m * turn_about_y(-environment_rad);
     for (std::size_t i = 0; i < part.size(); ++i) {
       if (part[i]) fiv.occluder_of[i] = int(fiv.occluders.size());
     }
@@ -92,6 +118,7 @@ Film render(const FivOptions& options, const RenderRequest& request) {
     print_note(request.common, "note: no occluders; mark nodes by --occluder NODE=TABLE.exr or extras.ivory_occluder");
   if (!scene.lights.empty() || !scene.sphere_lights.empty())
     print_note(request.common, "note: --method fiv leaves out all lights but the environment");
+  fiv.from_world = turn_about_y(-environment_rad);
   fiv.unshadowed = load_ambient(options.ambient, input, request.common);
   return render_fiv(fiv, input.lit, request.view, request.params, options.params);
 }

@@ -48,6 +48,7 @@ struct RenderOptions {
   std::uint64_t seed = 1;
   Imath::V2i size{640, 480};
   std::vector<std::string> objects;
+  std::vector<std::string> places;  // OBJECT=PLACE
   std::optional<float> exposure_stops;
   bool indirect_only = false;
 };
@@ -89,6 +90,7 @@ Metadata describe(const RenderOptions& options, const RenderMethod& method, cons
   m["light"] = std::string(options.indirect_only ? "indirect" : "all");
   m["units"] = std::string("nits");
   if (!options.objects.empty()) m["objects"] = fmt::format("{}", fmt::join(options.objects, " "));
+  if (!options.places.empty()) m["places"] = fmt::format("{}", fmt::join(options.places, " "));
   if (!options.camera.empty()) m["camera"] = options.camera;
   if (!options.sphere_lights.empty())
     m["sphere_lights"] = fmt::format("{}", fmt::join(options.sphere_light_texts, " "));
@@ -169,6 +171,10 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
   if (options.checkpoint.is_given && options.checkpoint.minutes > 0 && options.quality.max_seconds)
     throw UsageError("--checkpoint: what --max-time decides by the clock cannot be gone on from; give one of the two");
   if (method.check) method.check();
+  std::vector<NamedPlace> places;
+  for (const std::string& text : options.places) places.push_back(parse_named_place(text));
+  if (!places.empty() && options.objects.empty())
+    throw UsageError("--place: there is no object '" + places.front().object + "' (--object)");
   std::set<std::filesystem::path> files;
   for (const std::string& output : options.outputs) {
     check_output(output, common);
@@ -181,7 +187,7 @@ void run_render(const RenderOptions& options, const RenderMethod& method, const 
   const auto input =
       !extended ? load_scene_input(options.scene, options.load, options.environment, common)
                 : load_own_scene_input(options.scene, options.load, options.environment, common, [&](Scene& scene) {
-                    is_object = place_objects(scene, options.objects, options.load, common);
+                    is_object = place_objects(scene, options.objects, places, options.load, common);
                     for (const SphereLightOption& light : options.sphere_lights)
                       add_sphere_light(scene, light, "--sphere-light");
                     if (method.extend) method.extend(scene);
@@ -276,7 +282,8 @@ void add_render_command(Command app, CommonOptions& common) {
                   "An object that moves: a model placed in the scene, or a node of the scene; may be repeated.\n"
                   "Methods other than cubemap light it like all else")
       .repeated()
-      .type_name("FILE.glb[@X,Y,Z]|NODE");
+      .type_name("FILE.glb[@PLACE]|NODE");
+  add_place_option(command, options->places);
   command.add_flag("--indirect-only", options->indirect_only,
                    "Only light with at least one surface between its source and the first surface seen");
   command

@@ -10,6 +10,7 @@
 
 #include "runtime/gl/headless_context.h"
 #include "tools/view/draw/legend.h"
+#include "tools/view/session/light.h"
 #include "tracer/image/compare.h"
 #include "tracer/image/file.h"
 
@@ -21,6 +22,8 @@ using Clock = std::chrono::steady_clock;
 
 void draw_frame(ViewFrame& frame, ViewSession& session, ViewTarget& target, int samples) {
   target.reset();
+  place_lights_and_occluders(session);
+  require_turns(session);
   for (int i = 0; i < samples; ++i) frame.draw_point(session, target, i);
 }
 
@@ -35,6 +38,7 @@ void run_headless(const ViewRun& run, const CommonOptions& common) {
   ViewFrame frame;
   for (const std::string& output : run.outputs) require_linear_form(output, session);
   const std::uint64_t frames = run.frames == 0 ? 1 : run.frames;
+  pose_scene(session);  // as the first frame has it
   session.settings.tone.exposure_stops =
       run.exposure_stops ? *run.exposure_stops : find_exposure(frame, session, target);
 
@@ -46,6 +50,11 @@ void run_headless(const ViewRun& run, const CommonOptions& common) {
   double seconds = 0;
   for (std::uint64_t i = 0; i < frames; ++i) {
     session.world.time_s = double(i) / run.frames_per_second;
+    if (session.animation) {
+      session.animation->time_s = run.input.load.load.time_s.value_or(0) + session.world.time_s;
+      pose_scene(session);
+      if (!session.world.scene().cameras.empty()) look_as_at_first(session, run.input);
+    }
     const auto start = Clock::now();
     draw_frame(frame, session, target, run.samples);
     frame.draw_display(session, target);

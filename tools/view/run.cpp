@@ -64,7 +64,7 @@ Json vector_json(const V3f& v) { return {shortest(v.x), shortest(v.y), shortest(
 
 // From where the object's file has it.
 Json offset_json(const ViewObject& object, double time_s, const V3d& anchor_m) {
-  const V3f now = place(object, time_s);
+  const V3f now = place(object, time_s).offset_m;
   if (object.scene->anchor_m == anchor_m) return vector_json(now);
   const V3d offset = offset_in_world(object, now, anchor_m);
   return {offset.x, offset.y, offset.z};
@@ -182,6 +182,9 @@ Json describe(const ViewSession& session) {
     Json entry{{"name", object.name},
                {"offset_m", offset_json(object, world.time_s, anchor_m)},
                {"method", lights_text(object)}};
+    const Placement at = place(object, world.time_s);
+    if (at.turn_deg != V3f(0, 0, 0)) entry["turn_deg"] = vector_json(at.turn_deg);
+    if (at.scale != 1) entry["scale"] = shortest(at.scale);
     std::vector<std::string> labels;
     for (const ObjectLight& light : object.lights) {
       if (light.asset != nullptr) labels.push_back(light.asset->label());
@@ -193,6 +196,7 @@ Json describe(const ViewSession& session) {
   for (const auto& asset : session.assets)
     json["assets"].push_back({{"file", asset->label()}, {"kind", name_of(asset->kind())}, {"bytes", asset->bytes()}});
   if (!session.environment.empty()) json["environment"] = session.environment;
+  if (session.environment_turn_deg != 0) json["environment_turn_deg"] = session.environment_turn_deg;
   json["exposure_stops"] = shortest(session.settings.tone.exposure_stops);
   json["debug"] = name_of(session.settings.debug);
   return json;

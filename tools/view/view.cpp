@@ -7,6 +7,7 @@
 #include "tools/cli/commands.h"
 #include "tools/input/grid.h"
 #include "tools/input/group_factors.h"
+#include "tools/input/objects.h"
 #include "tools/input/scene.h"
 #include "tools/view/headless.h"
 #include "tools/view/window/viewer.h"
@@ -51,6 +52,8 @@ ViewRun finished(const ViewCommand& command) {
     if (!(e.x >= 0 && e.y >= 0 && e.z >= 0)) throw UsageError("--constant: irradiance is not negative");
     run.settings.constant_e_lux = e;
   }
+  run.input.may_play = !command.headless;
+  if (run.input.plays && !run.input.load.load.time_s) run.input.load.load.time_s = 0;
   run.input.size = command.size.x > 0 ? command.size : command.headless ? Imath::V2i(640, 480) : Imath::V2i(1280, 800);
   if (command.samples > 4096) throw UsageError("--samples: at most 4096 points a pixel");
   run.samples = command.samples > 0 ? int(command.samples) : 16;
@@ -84,11 +87,13 @@ void add_content_options(Command app, ViewCommand& command) {
   app.add_option("--object", command.run.input.objects,
                  "An object that moves: a model placed in the scene, or a node of the scene; may be repeated")
       .repeated()
-      .type_name("FILE.glb[@X,Y,Z]|NODE");
+      .type_name("FILE.glb[@PLACE]|NODE");
+  add_place_option(app, command.run.input.places);
   app.add_option(
          "--path", command.run.input.paths,
          "How the object of the same number moves: circle:RADIUS[,SECONDS] on the ground, line:X,Y,Z[,SECONDS]\n"
-         "there and back, or keys:FILE.csv with lines t,x,y,z (seconds, metres from its place)")
+         "there and back, turn:SECONDS on the spot, or keys:FILE.csv with lines t,x,y,z[,rx,ry,rz[,scale]] (seconds,\n"
+         "metres from its place, degrees as in --place, a factor)")
       .repeated()
       .type_name("PATH");
 }
@@ -167,6 +172,12 @@ void add_light_options(Command app, ViewCommand& command) {
                  "A light wider than a highlight is taken as up to 4^SPLIT lobes")
       .within(0, max_mask_depth)
       .group(group);
+  app.add_option("--lamp", command.run.input.lamps,
+                 "A punctual light by its node's name: factor on its brightness, then its colour, then metres that it\n"
+                 "is moved by; may be repeated. What grids hold of it stays as it was baked")
+      .repeated()
+      .type_name("NAME=SCALE[,R,G,B[,X,Y,Z]]")
+      .group(group);
   add_group_factor_options(app, command.run.input.factors, {"--group-scale", "--group-tint", group});
   app.add_flag("--indirect-only", command.indirect_only, "Leave out direct light and emission").group(group);
   app.add_option("--shadow-size", command.run.settings.shadow_size, "Texels a side of shadow maps")
@@ -217,6 +228,11 @@ void add_view_command(Command app, CommonOptions& common) {
   add_content_options(command, *options);
   command.add_flag("--headless", options->headless, "No window: draw --frames and write -o. Needs no display");
   command.add_count("--frames", options->run.frames, "Frames to draw [1; in a window: until it is closed]");
+  command.add_flag(
+      "--play", options->run.input.plays,
+      "Plays the scene's animation from --time on [0]: without a window frame I is what ivory render\n"
+      "--time shows at I / --fps later (a scene without a camera stays framed as in the first); in a window it\n"
+      "starts over at its end");
   command.add_option("--fps", options->run.frames_per_second, "Frames a second of the paths' time without a window")
       .within(1e-3, 1e6);
   command
@@ -230,12 +246,14 @@ void add_view_command(Command app, CommonOptions& common) {
   add_light_options(command, *options);
   add_picture_options(command, *options);
   command.footer(
-      "In the window: left mouse drags an object over the ground (Shift: in the picture's plane) and orbits "
-      "elsewhere;\n"
+      "In the window: left mouse drags an object over the ground (Shift: in the picture's plane; Ctrl: turns "
+      "it)\n"
+      "and orbits elsewhere; , and . turn the object clicked last, - and = scale it;\n"
       "right looks around, middle moves, the wheel comes closer; W A S D Q E fly; F all in view, Home the first view;\n"
       "P screenshot, Shift+P as linear EXR, Ctrl+P with the panel; V next debug view, G guard, C tricubic, X "
       "exposure,\n"
-      "Space halts the paths, Delete removes an object, H hides the panel, Esc quits (--json then prints where all "
+      "Space halts paths and animations, Delete removes an object, H hides the panel, Esc quits (--json then prints "
+      "where all "
       "is).\n"
       "\nDirect light: point, spot and directional lights by shadow maps; emissive surfaces, spherical lights and the\n"
       "environment by a few dozen points of theirs with shadow maps, others for each of --samples; each but what an\n"

@@ -12,6 +12,7 @@
 #include "tracer/gltf/nodes/place.h"
 #include "tracer/gltf/pose/animations.h"
 #include "tracer/gltf/schema/check.h"
+#include "tracer/gltf/stages.h"
 
 namespace ivory {
 namespace {
@@ -41,8 +42,7 @@ void read_distances(const gltf::Document& document, LoadedScene& loaded) {
 
 }  // namespace
 
-LoadedScene load_gltf(const std::string& path, const LoadParams& params) {
-  gltf::Document document;
+void gltf::open_document(Document& document, const std::string& path, const LoadParams& params) {
   document.path = path;
   document.uv_sets = {params.uv_sets.begin(), params.uv_sets.end()};
   gltf::read_json(document);
@@ -51,6 +51,26 @@ LoadedScene load_gltf(const std::string& path, const LoadParams& params) {
   gltf::read_buffers(document);
   gltf::parse_model(document);
   gltf::check_accessors(document);
+}
+
+gltf::BuiltScene gltf::build_scene(Document& document, const LoadParams& params) {
+  BuiltScene built;
+  Scene& scene = built.scene;
+  scene.materials = gltf::make_materials(document);
+  scene.textures = gltf::make_textures(document);
+  gltf::MeshSet meshes = gltf::make_meshes(document, scene.materials);
+  scene.meshes = std::move(meshes.meshes);
+  built.material_used = gltf::place_nodes(document, meshes, params, scene);
+  built.material_used.resize(scene.materials.size());  // spherical lights brought their own
+  drop_unused_meshes(scene);
+  if (scene.instances.empty()) document.warn("has no triangles in its scene");
+  for (const Mesh& mesh : scene.meshes) built.material_used[std::size_t(mesh.material)] = 1;
+  return built;
+}
+
+LoadedScene load_gltf(const std::string& path, const LoadParams& params) {
+  gltf::Document document;
+  gltf::open_document(document, path, params);
   if (!params.time_s && !params.animation.empty()) throw ParameterError("animation", "is of no use without a time");
   if (params.time_s) {
     gltf::apply_animation(document, params.animation, *params.time_s);
@@ -58,20 +78,12 @@ LoadedScene load_gltf(const std::string& path, const LoadParams& params) {
     gltf::warn_of_animations(document);
   }
 
+  gltf::BuiltScene built = gltf::build_scene(document, params);
   LoadedScene loaded;
   Scene& scene = loaded.scene;
+  scene = std::move(built.scene);
   scene.name = path;
-  scene.materials = gltf::make_materials(document);
-  scene.textures = gltf::make_textures(document);
-  gltf::MeshSet meshes = gltf::make_meshes(document, scene.materials);
-  scene.meshes = std::move(meshes.meshes);
-  std::vector<char> material_used = gltf::place_nodes(document, meshes, params, scene);
-  material_used.resize(scene.materials.size());  // spherical lights brought their own
-  drop_unused_meshes(scene);
-  if (scene.instances.empty()) document.warn("has no triangles in its scene");
-
-  for (const Mesh& mesh : scene.meshes) material_used[std::size_t(mesh.material)] = 1;
-  gltf::load_images(document, material_used, scene);
+  gltf::load_images(document, built.material_used, scene);
   scene.content_hash = fmt::format("{:016x}", document.hash);
   read_distances(document, loaded);
   loaded.files = std::move(document.files);

@@ -12,7 +12,8 @@ Film render_fiv(const FivScene& scene, const LitScene& lit, const View& view, co
     if (!hit) return lit.lights.environment_radiance(ray.direction);
     const Surface surface = make_surface(*lit.scene, ray, *hit);
     const int self = scene.occluder_of[std::size_t(hit->instance)];
-    const Rgb e = fiv_irradiance(scene.occluders, surface.p, surface.ns, self, scene.unshadowed(surface.ns), params);
+    const Rgb e = fiv_irradiance(scene.occluders, surface.p * scene.from_world, surface.ns * scene.from_world, self,
+                                 scene.unshadowed(surface.ns), params);
     return surface.emission + diffuse_reflectance(make_bsdf(surface), -ray.direction) * e * (1 / pi);
   });
 }

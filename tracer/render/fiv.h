@@ -13,7 +13,10 @@ namespace ivory {
 struct FivScene {
   std::vector<FivPlacement> occluders;
   std::vector<int> occluder_of;                 // for each of the scene's instances: index of its occluder, or -1
-  std::function<Rgb(const V3f& n)> unshadowed;  // E(n) of the environment in lux
+  std::function<Rgb(const V3f& n)> unshadowed;  // E(n) of the environment in lux, n in the world
+  // From the world to where the environment of the tables stood as they were baked, and where the occluders' places are
+  // given: row vectors.
+  M33f from_world;
 };
 
 // Every surface seen reflects E / pi by diffuse_reflectance() (tracer/bsdf/bsdf.h). Occluders shadow all others and

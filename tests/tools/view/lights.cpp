@@ -30,7 +30,7 @@ Rgb irradiance(const std::vector<RuntimeLight>& lights, const V3f& p, const V3f&
 
 Rgb mean_irradiance(const ExtendedLights& lights, int samples, const V3f& p, const V3f& n) {
   Rgb sum(0, 0, 0);
-  for (int i = 0; i < samples; ++i) sum += irradiance(small_lights(lights, i, std::vector<V3f>(2, V3f(0, 0, 0))), p, n);
+  for (int i = 0; i < samples; ++i) sum += irradiance(small_lights(lights, i, std::vector<Placement>(2)), p, n);
   return sum / float(samples);
 }
 
@@ -48,7 +48,7 @@ TEST(ExtendedLights, SamplesOfALampAddUpToIt) {
   ASSERT_EQ(int(lamp.ends.size()), group_count(ExtendedKind::surfaces));
   // 3 m2 of 10 nits, whichever points are chosen, in halves of halves of the lamp.
   for (const int i : {0, 1, 17}) {
-    const std::vector<RuntimeLight> lights = small_lights(lamp, i, std::vector<V3f>(1, V3f(0, 0, 0)));
+    const std::vector<RuntimeLight> lights = small_lights(lamp, i, std::vector<Placement>(1));
     EXPECT_NEAR(light_of(lights).x, 30, 0.01F);
     for (const RuntimeLight& light : lights) {
       EXPECT_GT(light.intensity.x, 30.0F / 20);
@@ -64,9 +64,8 @@ TEST(ExtendedLights, SamplesOfALampAddUpToIt) {
     EXPECT_NEAR(double(mean_irradiance(lamp, 16, p, V3f(0, 1, 0)).x), truth.mean(), 0.04 * truth.mean()) << p;
   }
   // Right at the lamp E is bounded by what a surface of that radiance can give, from the first sample on.
-  EXPECT_LE(
-      irradiance(small_lights(lamp, 0, std::vector<V3f>(1, V3f(0, 0, 0))), V3f(0.5F, 1.999F, 1.5F), V3f(0, 1, 0)).x,
-      1.5F * pi * 10);
+  EXPECT_LE(irradiance(small_lights(lamp, 0, std::vector<Placement>(1)), V3f(0.5F, 1.999F, 1.5F), V3f(0, 1, 0)).x,
+            1.5F * pi * 10);
 }
 
 // The two sides of a panel are lights of their own, however near: no point of one has light of the other.

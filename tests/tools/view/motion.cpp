@@ -25,28 +25,28 @@ class ObjectPathTest : public CommandTest {
 
 TEST_F(ObjectPathTest, CircleAndLineComeBack) {
   const ObjectPath circle = parse_path("circle:2,8");
-  EXPECT_EQ(offset_at(circle, 0), V3f(0, 0, 0));
+  EXPECT_EQ(at(circle, 0).offset_m, V3f(0, 0, 0));
   for (double t = 0; t < 8; t += 0.25) {
-    EXPECT_NEAR((offset_at(circle, t) - V3f(-2, 0, 0)).length(), 2, 1e-5F);
-    EXPECT_LT((offset_at(circle, t) - offset_at(circle, t + 8)).length(), 1e-5F);
+    EXPECT_NEAR((at(circle, t).offset_m - V3f(-2, 0, 0)).length(), 2, 1e-5F);
+    EXPECT_LT((at(circle, t).offset_m - at(circle, t + 8).offset_m).length(), 1e-5F);
   }
-  EXPECT_NEAR(offset_at(circle, 4).x, -4, 1e-5F);
+  EXPECT_NEAR(at(circle, 4).offset_m.x, -4, 1e-5F);
   const ObjectPath line = parse_path("line:1,2,3,2");
-  EXPECT_EQ(offset_at(line, 0), V3f(0, 0, 0));
-  EXPECT_LT((offset_at(line, 1) - V3f(1, 2, 3)).length(), 1e-5F);
-  EXPECT_LT(offset_at(line, 2).length(), 1e-5F);
-  EXPECT_LT((offset_at(line, 0.5) - V3f(0.5F, 1, 1.5F)).length(), 1e-5F);
-  EXPECT_EQ(offset_at(ObjectPath{}, 3), V3f(0, 0, 0));
+  EXPECT_EQ(at(line, 0).offset_m, V3f(0, 0, 0));
+  EXPECT_LT((at(line, 1).offset_m - V3f(1, 2, 3)).length(), 1e-5F);
+  EXPECT_LT(at(line, 2).offset_m.length(), 1e-5F);
+  EXPECT_LT((at(line, 0.5).offset_m - V3f(0.5F, 1, 1.5F)).length(), 1e-5F);
+  EXPECT_EQ(at(ObjectPath{}, 3).offset_m, V3f(0, 0, 0));
 }
 
 TEST_F(ObjectPathTest, KeyframesAreJoinedByLines) {
   const ObjectPath keys = parse_path(write("t,x,y,z\n# comment\n0,0,0,0\r\n1,2,0,0\n\n4,2,0,3\n"));
   EXPECT_EQ(keys.keys.size(), 3U);
-  EXPECT_LT((offset_at(keys, 0.5) - V3f(1, 0, 0)).length(), 1e-6F);
-  EXPECT_LT((offset_at(keys, 3) - V3f(2, 0, 2)).length(), 1e-6F);
-  EXPECT_LT((offset_at(keys, 4.5) - V3f(1, 0, 0)).length(), 1e-6F);  // from the start again
+  EXPECT_LT((at(keys, 0.5).offset_m - V3f(1, 0, 0)).length(), 1e-6F);
+  EXPECT_LT((at(keys, 3).offset_m - V3f(2, 0, 2)).length(), 1e-6F);
+  EXPECT_LT((at(keys, 4.5).offset_m - V3f(1, 0, 0)).length(), 1e-6F);  // from the start again
   const ObjectPath unended = parse_path(write("0,1,1,1\n2,3,3,3"));
-  EXPECT_LT((offset_at(unended, 1) - V3f(2, 2, 2)).length(), 1e-6F);
+  EXPECT_LT((at(unended, 1).offset_m - V3f(2, 2, 2)).length(), 1e-6F);
 }
 
 TEST_F(ObjectPathTest, RefusesWhatIsNoPath) {
@@ -138,7 +138,7 @@ TEST(ViewControls, DragsWhatIsUnderTheMouseAndOrbitsElsewhere) {
   ViewControls controls;
   // tan(0.4) of half a picture's height is a metre's 1 / (2.5 m) below: the thing's middle is 0.9 m below the axis.
   const V2f thing(200, 200 + 200 * (0.85F / 3) / std::tan(0.4F));
-  controls.press(world, MouseButton::left, thing, size, true);
+  controls.press(world, MouseButton::left, thing, size, DragMode::plane);
   EXPECT_EQ(controls.selected(), 1U);
   EXPECT_TRUE(controls.move(world, thing + V2f(50, -20), size));
   const float pixel_m = 3 * std::tan(0.4F) / 200;
@@ -149,7 +149,7 @@ TEST(ViewControls, DragsWhatIsUnderTheMouseAndOrbitsElsewhere) {
   EXPECT_FALSE(controls.move(world, thing, size));
   EXPECT_EQ(eye(world.camera), eye(start));
 
-  controls.press(world, MouseButton::left, V2f(30, 300), size, false);  // the wall does not move
+  controls.press(world, MouseButton::left, V2f(30, 300), size, DragMode::ground);  // the wall does not move
   EXPECT_TRUE(controls.move(world, V2f(60, 300), size));
   EXPECT_GT((eye(world.camera) - eye(start)).length(), 0.01F);
   EXPECT_LT((pivot(world.camera) - pivot(start)).length(), 1e-5F);

@@ -112,6 +112,30 @@ TEST_F(ViewWindow, MouseAndKeysMoveCameraAndObject) {
     EXPECT_TRUE(bytes_of(path(a)) != bytes_of(path(b))) << a << " " << b;
 }
 
+TEST_F(ViewWindow, KeysAndMouseTurnAndScaleObjects) {
+  const std::string octahedron = write_octahedron();
+  const std::string room = scene("room_boxes_rotated.gltf");
+  const Json first = run("view --headless " + room + " --method none --samples 1 -o " + path("first.png")).at("camera");
+  const V3f ahead = vector_of(first.at("position_m")) + vector_of(first.at("forward")) * 1.5F;
+  const std::string object =
+      octahedron + "@" + std::to_string(ahead.x) + "," + std::to_string(ahead.y) + "," + std::to_string(ahead.z);
+  const Json result = run_window(
+      room + " --method constant --constant 1,1,1 --object " + object + " --size 800x600 --samples 1 -o shot_%d.png",
+      "xdotool mousemove --window $W 400 300 click 1 key comma key comma key period key equal key p; arrived "
+      "shot_1.png\n"
+      "xdotool mousemove --window $W 400 300 keydown ctrl mousedown 1 mousemove --window $W 430 300\n"
+      "xdotool mousemove --window $W 460 300 mouseup 1 keyup ctrl key p; arrived shot_2.png\n");
+  ASSERT_TRUE(result.is_object()) << bytes_of(path("errors"));
+  const Json& moved = result.at("objects").at(1);
+  // Five degrees by the keys, and 60 of the 600 pixels that make half a turn.
+  const V3f turn_deg = vector_of(moved.at("turn_deg"));
+  EXPECT_NEAR(turn_deg.y, 5 + 180 * 60 / 600.0F, 1);
+  EXPECT_EQ(V3f(turn_deg.x, 0, turn_deg.z), V3f(0, 0, 0));
+  EXPECT_NEAR(moved.at("scale").get<float>(), 1.1F, 1e-6F);
+  EXPECT_LT((vector_of(moved.at("offset_m")) - ahead).length(), 1e-4F);  // Ctrl turns, and moves nothing
+  EXPECT_TRUE(bytes_of(path("shot_1.png")) != bytes_of(path("shot_2.png")));
+}
+
 TEST_F(ViewWindow, PathsPlayAndKeysSwitchViews) {
   const std::string octahedron = write_octahedron();
   const std::string room = scene("room_boxes_rotated.gltf");

@@ -13,11 +13,25 @@ namespace ivory {
 
 namespace {
 
-M44f moved(const M44f& to_world, const V3f& by) {
-  M44f out = to_world;
-  for (unsigned c = 0; c < 3; ++c) out[3][c] += by[c];
-  return out;
-}
+// Of parts of an object that stands so.
+class Mover {
+ public:
+  explicit Mover(const Placement& at)
+      : offset_m_(at.offset_m), slides_(at.turn_deg == V3f(0, 0, 0) && at.scale == 1), matrix_(to_matrix(at)) {}
+  M44f operator()(const M44f& to_world) const {
+    if (!slides_) return to_world * matrix_;
+    M44f out = to_world;
+    for (unsigned c = 0; c < 3; ++c) out[3][c] += offset_m_[c];
+    return out;
+  }
+
+ private:
+  V3f offset_m_;
+  bool slides_;
+  M44f matrix_;
+};
+
+float radians(double degrees) { return float(std::remainder(degrees, 360.0) * radians_a_degree); }
 
 RuntimeCamera runtime_camera(const ViewSession& session, const ViewTarget& target, const V2f& shift) {
   const ViewWorld& world = session.world;
@@ -25,8 +39,9 @@ RuntimeCamera runtime_camera(const ViewSession& session, const ViewTarget& targe
   // Objects may have left the sphere that they were measured in.
   float radius_m = world.radius_m;
   for (const ViewObject& object : world.objects) {
-    const V3f center = object.intersector->center() + place(object, world.time_s);
-    radius_m = std::max(radius_m, (center - world.center_m).length() + object.intersector->radius_m());
+    const Placement at = place(object, world.time_s);
+    const V3f center = placed(at, object.center_m);
+    radius_m = std::max(radius_m, (center - world.center_m).length() + at.scale * object.radius_m);
   }
   const ViewMatrices m =
       view_matrices(world.scene().name, camera, target.width(), target.height(), shift, world.center_m, radius_m);
@@ -87,18 +102,18 @@ std::size_t ViewFrame::bytes() const {
 }
 
 bool ViewFrame::update(Shadows& shadows, const ViewSession& session, int size, int sample,
-                       const std::function<std::vector<RuntimeLight>(std::span<const V3f>)>& lights) {
-  std::vector<V3f> places;
+                       const std::function<std::vector<RuntimeLight>(std::span<const Placement>)>& lights) {
+  std::vector<Placement> places;
   for (const ViewObject& object : session.world.objects) places.push_back(place(object, session.world.time_s));
   if (shadows.lights.updated() && places == shadows.places && size == shadows.size && sample == shadows.sample &&
-      session.lights_version == shadows.version)
+      session.lights_version == shadows.version && session.environment_turn_deg == shadows.sky_deg)
     return false;
   std::vector<ShadowCaster> casters;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const GpuModel& model = session.world.objects[i].model;
-    for (const ModelPart& part : model.parts) {
-      casters.push_back({&model.meshes[part.mesh], moved(part.to_world, places[i]), &model.materials[part.material]});
-    }
+    const Mover moved(places[i]);
+    for (const ModelPart& part : model.parts)
+      casters.push_back({&model.meshes[part.mesh], moved(part.to_world), &model.materials[part.material]});
   }
   ShadowParams params;
   params.size = size;
@@ -107,12 +122,13 @@ bool ViewFrame::update(Shadows& shadows, const ViewSession& session, int size, i
   shadows.size = size;
   shadows.version = session.lights_version;
   shadows.sample = sample;
+  shadows.sky_deg = session.environment_turn_deg;
   return true;
 }
 
 void ViewFrame::update_punctual(ViewSession& session) {
   if (!update(punctual_, session, session.settings.shadow_size, 0,
-              [&](std::span<const V3f>) { return session.direct; }))
+              [&](std::span<const Placement>) { return session.direct; }))
     return;
   // Said again where it changes, not in every frame of what moves.
   if (const int without = punctual_.lights.unshadowed(); without != unshadowed_) {
@@ -144,7 +160,9 @@ void ViewFrame::add_extended(const ViewSession& session, ViewTarget& target, int
     // Shadows that are averaged over many lights may be coarser.
     const int size = std::max(16, session.settings.shadow_size / 2);
     Shadows& shadows = extended_[extended.kind];
-    update(shadows, session, size, i, [&](std::span<const V3f> places) { return small_lights(extended, i, places); });
+    const M33f sky = turn_about_y(double(radians(session.environment_turn_deg)));
+    update(shadows, session, size, i,
+           [&](std::span<const Placement> places) { return small_lights(extended, i, places, sky); });
     frame.lights = &shadows.lights;
     frame.items = items;
     target.begin();
@@ -171,11 +189,11 @@ void ViewFrame::draw_point(ViewSession& session, ViewTarget& target, int i) {
   for (std::size_t k = 0; k < sources.size(); ++k) {
     const ViewObject& object = session.world.objects[k];
     const GpuModel& model = object.model;
-    const V3f at = place(object, session.world.time_s);
+    const Mover moved(place(object, session.world.time_s));
     const bool direct = !held_light(session, object).punctual;
     for (const ModelPart& part : model.parts) {
       items.push_back(
-          {&model.meshes[part.mesh], &model.materials[part.material], moved(part.to_world, at), &sources[k], direct});
+          {&model.meshes[part.mesh], &model.materials[part.material], moved(part.to_world), &sources[k], direct});
       objects.push_back(k);
     }
   }
@@ -186,6 +204,7 @@ void ViewFrame::draw_point(ViewSession& session, ViewTarget& target, int i) {
   frame.direct = lit;
   frame.output_shader = output;
   if (lit && session.sky) frame.sky = &*session.sky;
+  frame.sky_turn_rad = radians(session.environment_turn_deg);
   target.begin();
   renderer_.draw(frame);
   if (needs_grid(settings.debug) && output.empty())

@@ -38,14 +38,15 @@ class ViewFrame {
   // Lights with their shadows, and what those were drawn of.
   struct Shadows {
     LightSet lights;
-    std::vector<V3f> places;  // of the objects
+    std::vector<Placement> places;  // of the objects
+    double sky_deg = 0;             // turn of the environment
     int size = 0;
     int version = 0;  // of the session's lights
     int sample = 0;   // of lights with extent
   };
   // True where they were drawn anew.
   bool update(Shadows& shadows, const ViewSession& session, int size, int sample,
-              const std::function<std::vector<RuntimeLight>(std::span<const V3f>)>& lights);
+              const std::function<std::vector<RuntimeLight>(std::span<const Placement>)>& lights);
   void update_punctual(ViewSession& session);
   void add_extended(const ViewSession& session, ViewTarget& target, int i, FrameParams frame,
                     std::vector<DrawItem> items, std::span<const std::size_t> objects);

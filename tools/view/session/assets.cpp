@@ -11,6 +11,7 @@
 #include "grid/io/fiv.h"
 #include "grid/io/sh9.h"
 #include "grid/io/sphere_set.h"
+#include "tools/input/environment.h"
 #include "tools/input/vdb/load.h"
 
 namespace ivory {
@@ -102,8 +103,10 @@ GridAsset make_grid_asset(const std::string& path, const IrradianceGrid& grid) {
 
 std::unique_ptr<ViewAsset> make_asset(const std::string& path, AssetData data, std::string environment_hash = {},
                                       Metadata metadata = {}) {
-  return std::make_unique<ViewAsset>(
-      ViewAsset{path, std::move(data), std::move(environment_hash), std::move(metadata)});
+  auto asset =
+      std::make_unique<ViewAsset>(ViewAsset{path, std::move(data), std::move(environment_hash), std::move(metadata)});
+  asset->environment_turn_deg = environment_turn_deg(asset->metadata);
+  return asset;
 }
 
 }  // namespace
@@ -126,7 +129,7 @@ std::size_t ViewAsset::bytes() const {
     std::size_t operator()(const GpuSh9& sh) const { return sh.bytes(); }
     std::size_t operator()(const GpuLocalizedCube& cube) const { return cube.bytes(); }
     std::size_t operator()(const GpuLobes& lobes) const { return lobes.bytes(); }
-    std::size_t operator()(const FivTable&) const { return 0; }
+    std::size_t operator()(const FivSet&) const { return 0; }
     std::size_t operator()(const SphereSetAsset&) const { return 0; }
   };
   return std::visit(Bytes{}, data);
@@ -144,7 +147,9 @@ std::unique_ptr<ViewAsset> load_view_asset(const std::string& path, FileKind kin
     }
     case FileKind::sh9: {
       const Sh9Asset sh9 = read_sh9(path);
-      return make_asset(path, upload(sh9.sh), text_of(sh9.metadata, "environment_hash"));
+      auto asset = make_asset(path, upload(sh9.sh), text_of(sh9.metadata, "environment_hash"));
+      asset->environment_turn_deg = environment_turn_deg(sh9.metadata);
+      return asset;
     }
     case FileKind::difmap:
       return make_view_difmap(path, read_difmap(path));
@@ -154,9 +159,13 @@ std::unique_ptr<ViewAsset> load_view_asset(const std::string& path, FileKind kin
       return make_asset(path, upload(cube, path), {}, cube.metadata);
     }
     case FileKind::fiv: {
-      FivTable table = read_fiv(path);
-      std::string hash = text_of(table.metadata, "environment_hash");
-      return make_asset(path, std::move(table), std::move(hash));
+      FivSet set = read_fiv_set(path);
+      const Metadata& metadata = set.turns.front().metadata;
+      std::string hash = text_of(metadata, "environment_hash");
+      const double turn_deg = environment_turn_deg(metadata);
+      auto asset = make_asset(path, std::move(set), std::move(hash));
+      asset->environment_turn_deg = turn_deg;
+      return asset;
     }
     case FileKind::lobes:
       return make_asset(path, load_lobes(path));
@@ -184,8 +193,10 @@ std::unique_ptr<ViewAsset> make_view_grid(const std::string& path, const Irradia
 }
 
 std::unique_ptr<ViewAsset> make_view_difmap(const std::string& path, const DifMap& map) {
-  return make_asset(path, DifMapAsset{upload(map, {}, path), mean_irradiance(map)},
-                    text_of(map.metadata, "environment_hash"));
+  auto asset = make_asset(path, DifMapAsset{upload(map, {}, path), mean_irradiance(map)},
+                          text_of(map.metadata, "environment_hash"));
+  asset->environment_turn_deg = environment_turn_deg(map.metadata);
+  return asset;
 }
 
 std::unique_ptr<ViewAsset> make_view_lobes() {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "grid/field/mix.h"
-#include "grid/fiv/table.h"
+#include "grid/fiv/set.h"
 #include "grid/lobes/sphere_set.h"
 #include "runtime/assets/cubemap.h"
 #include "runtime/assets/difmap.h"
@@ -41,14 +41,15 @@ struct SphereSetAsset {
 };
 
 // FIV tables wait on the CPU: on the GPU all of them are one texture (tools/view/session/occluders.h).
-using AssetData = std::variant<GridAsset, GpuSh9, DifMapAsset, FivTable, GpuLocalizedCube, GpuLobes, SphereSetAsset>;
+using AssetData = std::variant<GridAsset, GpuSh9, DifMapAsset, FivSet, GpuLocalizedCube, GpuLobes, SphereSetAsset>;
 
 struct ViewAsset {
   std::string path;
   AssetData data;
-  std::string environment_hash;  // of the environment that it was baked from; empty: of none
-  Metadata metadata;             // of grids and localized cube maps
-  bool given = true;             // by the user; false: made of what was given
+  std::string environment_hash;     // of the environment that it was baked from; empty: of none
+  Metadata metadata;                // of grids and localized cube maps
+  bool given = true;                // by the user; false: made of what was given
+  double environment_turn_deg = 0;  // that its environment had when it was baked
 
   FileKind kind() const;
   std::string label() const;  // the path without folders

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
+#include "grid/env/turned_map.h"
 #include "grid/field/resolve.h"
 #include "grid/io/vdb/vdb.h"
 #include "tracer/bake/field/baker.h"
@@ -18,7 +19,8 @@ bool is_lit_by_assets(const ViewSession& session) {
 
 void bake_default_grid(ViewSession& session, const std::string& save_grid, const CommonOptions& common) {
   Scene scene = session.world.scene();
-  if (session.environment_map) scene.environment = *session.environment_map;
+  const double turn_deg = session.environment_turn_deg;
+  if (session.environment_map) scene.environment = turned(*session.environment_map, turn_deg);
   const LitScene lit = make_lit_scene(std::move(scene));
   if (lit.lights.empty()) {
     if (!save_grid.empty()) {
@@ -42,6 +44,7 @@ void bake_default_grid(ViewSession& session, const std::string& save_grid, const
   }();
   for (const auto& [key, value] : session.scene_facts) sums.metadata[key] = value;
   for (const auto& [key, value] : session.environment_facts) sums.metadata[key] = value;
+  if (session.environment_map && turn_deg != 0) sums.metadata["environment_turn_deg"] = turn_deg;
   sums.metadata["version"] = std::string(IVORY_VERSION);
   IrradianceGrid grid = resolve(sums);
   if (!save_grid.empty()) write_vdb(save_grid, grid, common.force);

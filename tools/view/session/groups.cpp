@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "grid/base/error.h"
+#include "tools/view/session/lamps.h"
 #include "tools/view/session/light.h"
 #include "tools/view/world/model.h"
 
@@ -47,8 +48,7 @@ void mix_groups(ViewSession& session) {
                                 names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
     }
   }
-  std::vector<RuntimeLight> lamps = runtime_lights(session.world.scene());
-  ++session.lights_version;
+  for (ViewLamp& lamp : session.lamps) lamp.of_group = Rgb(1, 1, 1);
   bool dimmed = false;
   for (const auto& asset : session.assets) {
     const IrradianceGrid* grid = grouped_grid(*asset);
@@ -59,13 +59,13 @@ void mix_groups(ViewSession& session) {
     }
     mix_asset(*asset, own);
     const std::vector<std::string> of_lamp = words_of(grid->metadata, lamp_groups_key);
-    if (dimmed || of_lamp.size() != lamps.size()) continue;
-    for (std::size_t i = 0; i < lamps.size(); ++i) {
-      if (const auto found = own.find(of_lamp[i]); found != own.end()) lamps[i].intensity *= found->second;
+    if (dimmed || of_lamp.size() != session.lamps.size()) continue;
+    for (std::size_t i = 0; i < of_lamp.size(); ++i) {
+      if (const auto found = own.find(of_lamp[i]); found != own.end()) session.lamps[i].of_group = found->second;
     }
     dimmed = true;
   }
-  if (dimmed) session.direct = strongest(lamps, max_lights, session.world.center_m, session.world.radius_m);
+  shine(session);
 }
 
 }  // namespace ivory

@@ -1,6 +1,7 @@
 #include "tools/view/session/light.h"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <utility>
 
@@ -47,27 +48,33 @@ const ViewAsset* asset_for(const ViewSession& session, ViewMethod method, std::s
   }
 }
 
-// What to add to its centres. A set that was fitted to an object's file goes where the object goes.
-V3f place_of_spheres(const ViewSession& session, const SphereSetAsset& spheres) {
+// Where its spheres stand. A set that was fitted to an object's file goes where the object goes.
+Placement place_of_spheres(const ViewSession& session, const SphereSetAsset& spheres) {
   const auto hash = spheres.set.metadata.find("mesh_hash");
   const V3d from = spheres.set.anchor_m + spheres.offset_m;
   const V3f unmoved = to_local(from, session.world.scene().anchor_m);
-  if (hash == spheres.set.metadata.end()) return unmoved;
+  if (hash == spheres.set.metadata.end()) return {unmoved};
   for (const ViewObject& object : session.world.objects) {
-    if (object.moves && hash->second == MetaValue(object.scene->content_hash))
-      return to_local(from, object.scene->anchor_m) + place(object, session.world.time_s);
+    if (object.moves && hash->second == MetaValue(object.scene->content_hash)) {
+      // The object's pivot, as the set's file has it.
+      const V3f in_object = to_local(from, object.scene->anchor_m);
+      Placement at = place(object, session.world.time_s);
+      at.pivot_m -= in_object;
+      at.offset_m += in_object;
+      return at;
+    }
   }
-  return unmoved;
+  return {unmoved};
 }
 
 // Groups of spheres take longer to build than a point of each pixel to draw: only when one of them moved.
 void place_lobes(ViewSession& session) {
-  std::vector<std::pair<const ViewAsset*, V3f>> places;
+  std::vector<std::pair<const ViewAsset*, Placement>> places;
   for (const auto& asset : session.assets) {
     if (const auto* spheres = std::get_if<SphereSetAsset>(&asset->data)) {
       places.emplace_back(asset.get(), place_of_spheres(session, *spheres));
     } else if (std::holds_alternative<GpuLobes>(asset->data)) {
-      places.emplace_back(asset.get(), V3f(0, 0, 0));
+      places.emplace_back(asset.get(), Placement{});
     }
   }
   if (places == session.lobes_placed) return;
@@ -75,10 +82,11 @@ void place_lobes(ViewSession& session) {
   for (const SphereLight& light : session.world.scene().sphere_lights)
     lights.push_back({{light.center, light.radius_m}, light.radiance_nits});
   std::vector<Sphere> occluders;
-  for (const auto& [asset, offset] : places) {
+  for (const auto& [asset, at] : places) {
     const auto* spheres = std::get_if<SphereSetAsset>(&asset->data);
     if (spheres == nullptr) continue;
-    for (const Sphere& sphere : spheres->set.spheres) occluders.push_back({sphere.center + offset, sphere.radius_m});
+    for (const Sphere& sphere : spheres->set.spheres)
+      occluders.push_back({placed(at, sphere.center), sphere.radius_m * at.scale});
   }
   for (const auto& asset : session.assets) {
     if (auto* lobes = std::get_if<GpuLobes>(&asset->data)) place(*lobes, lights, occluders);
@@ -207,9 +215,50 @@ HeldLight held_light(const ViewSession& session, const ViewObject& object) {
   return held;
 }
 
+namespace {
+
+// What assets hold of the environment goes round with it, but for what is spread over places.
+void turn_environments(ViewSession& session) {
+  for (const auto& asset : session.assets) {
+    const double turn_deg = session.environment_turn_deg - asset->environment_turn_deg;
+    const auto turn_rad = float(std::remainder(turn_deg, 360.0) * radians_a_degree);
+    if (auto* map = std::get_if<DifMapAsset>(&asset->data)) map->gpu.turn_rad = turn_rad;
+    if (auto* sh9 = std::get_if<GpuSh9>(&asset->data)) sh9->turn_rad = turn_rad;
+    const bool stays = asset->kind() == FileKind::grid || asset->kind() == FileKind::cubemap;
+    if (!stays || turn_rad == 0 || session.told_of_old_sky || !find_text(asset->metadata, "environment_hash")) continue;
+    session.told_of_old_sky = true;
+    session.notes.push_back(
+        fmt::format("note: {} keeps the light of the environment as it stood when it was baked, at --env-turn {}; bake "
+                    "it again for another",
+                    asset->label(), asset->environment_turn_deg));
+  }
+}
+
+}  // namespace
+
 void place_lights_and_occluders(ViewSession& session) {
-  if (session.fiv_tables) place_occluders(*session.fiv_tables, session.world);
+  turn_environments(session);
+  if (session.fiv_tables) {
+    std::vector<bool> before;
+    for (const ViewObject& object : session.world.objects) before.push_back(object.occludes);
+    const double then = find_asset(session.assets, FileKind::fiv)->environment_turn_deg;
+    place_occluders(*session.fiv_tables, session.world, session.environment_turn_deg - then);
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const ViewObject& object = session.world.objects[i];
+      if (before[i] && !object.occludes)
+        session.notes.push_back("note: " + why_it_hides_nothing(object, session.world.time_s));
+    }
+  }
   place_lobes(session);
+}
+
+void require_turns(const ViewSession& session) {
+  bool by_fiv = false;
+  for (const ViewObject& object : session.world.objects)
+    by_fiv = by_fiv || of_method(object.lights, ViewMethod::fiv) > 0;
+  for (const ViewObject& object : session.world.objects) {
+    if (by_fiv && !object.occludes) throw ParameterError("method", why_it_hides_nothing(object, session.world.time_s));
+  }
 }
 
 AmbientSource grid_source(const ViewAsset& asset, const ViewSettings& settings) {

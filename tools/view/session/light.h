@@ -38,6 +38,10 @@ std::string lacks(const ViewSession& session, DebugView view);
 // Brings to the GPU where spherical lights and occluders are now. To be called before a frame; needs a current context.
 void place_lights_and_occluders(ViewSession& session);
 
+// Throws ParameterError ("method") where an object that is lit by FIV has an occluder that is turned as its tables
+// cannot be; after place_lights_and_occluders().
+void require_turns(const ViewSession& session);
+
 // A grid as the settings read it.
 AmbientSource grid_source(const ViewAsset& asset, const ViewSettings& settings);
 // The source that lights the object now.

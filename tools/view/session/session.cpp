@@ -33,20 +33,29 @@ void add_object(ViewSession& session, ViewObject object) {
   objects.push_back(std::move(object));
 }
 
-// At that offset in the world from where its file has it.
-ViewObject load_object(ViewSession& session, const std::string& path, const V3d& offset_m, const V3d& anchor_m) {
+void set_place(ViewObject& object, const ObjectPlace& place, const V3d& anchor_m) {
+  object.offset_m = offset_in_scene(object, place.offset_m, anchor_m);
+  object.turn_deg = place.turn_deg;
+  object.scale = place.scale;
+}
+
+// So in the world, against how its file has it.
+ViewObject load_object(ViewSession& session, const std::string& path, const ObjectPlace& place, const V3d& anchor_m) {
   LoadedScene loaded = load_scene(path, object_params(session.load));
   append(session.notes, loaded.warnings, "warning: ");
   if (!loaded.scene.lights.empty() || !loaded.scene.sphere_lights.empty())
     session.notes.push_back(fmt::format("note: the lights of {} are left out", path));
-  const V3f place = to_local(loaded.scene.anchor_m + offset_m, anchor_m);
-  return make_object(file_name(path), std::move(loaded.scene), place, true);
+  ViewObject object = make_object(file_name(path), std::move(loaded.scene), V3f(0, 0, 0), true);
+  object.pivot_m = pivot_of_file(*object.scene);
+  set_place(object, place, anchor_m);
+  return object;
 }
 
 // Also as a DifMap, by which surfaces are lit without any file baked: a second's work.
 void set_environment(ViewSession& session, const EnvironmentChoice& choice) {
   constexpr int difmap_size = 64;
-  EnvironmentInput input = load_environment_input(choice);
+  // What is drawn turns as one looks; what is loaded does not.
+  EnvironmentInput input = load_environment_input({choice.path, choice.layout});
   append(session.notes, input.warnings, "warning: ");
   DifMap difmap;
   difmap.e = bake_irradiance(make_irradiance_tree(input.image), difmap_size).e;
@@ -70,26 +79,6 @@ void set_environment(ViewSession& session, const EnvironmentChoice& choice) {
   session.sky = std::move(sky);
   session.environment_map = environment;
   session.environment = file_name(choice.path);
-}
-
-// To be called when objects or the environment are others.
-void find_extended_lights(ViewSession& session) {
-  session.extended.clear();
-  ++session.lights_version;
-  const auto add = [&](ExtendedKind kind, std::vector<ExtendedPoint> points) {
-    if (!points.empty())
-      session.extended.push_back(make_extended_lights(kind, std::move(points), session.world.radius_m));
-  };
-  for (const ExtendedKind kind : {ExtendedKind::surfaces, ExtendedKind::spheres}) {
-    std::vector<ExtendedPoint> points;
-    for (std::size_t i = 0; i < session.world.objects.size(); ++i) {
-      const ViewObject& object = session.world.objects[i];
-      const std::vector<ExtendedPoint> more = surface_points(*object.scene, Lights(*object.intersector), kind, i);
-      points.insert(points.end(), more.begin(), more.end());
-    }
-    add(kind, std::move(points));
-  }
-  if (session.environment_map) add(ExtendedKind::environment, environment_points(*session.environment_map));
 }
 
 // A bake that is under way shows the light of its photons so far.
@@ -135,6 +124,19 @@ void add_occluder(const Scene& scene, const std::string& text, std::vector<std::
   if (std::find(assets.begin(), assets.end(), table) == assets.end()) assets.push_back(table);
 }
 
+void place_objects(std::vector<ViewObject>& objects, const std::vector<std::string>& places, const V3d& anchor_m) {
+  for (const std::string& text : places) {
+    const NamedPlace named = parse_named_place(text);
+    bool any = false;
+    for (ViewObject& object : objects) {
+      if (object.name != named.object) continue;
+      set_place(object, named.place, anchor_m);
+      any = true;
+    }
+    if (!any) throw UsageError(fmt::format("--place: there is no object '{}' (--object)", named.object));
+  }
+}
+
 Camera choose_camera(const SessionInput& input, const ViewWorld& world) {
   const Scene& scene = world.scene();
   if (!input.camera.empty()) return find_camera(scene, input.camera);
@@ -153,9 +155,34 @@ std::size_t ViewSession::bytes() const {
   return sum;
 }
 
+void find_extended_lights(ViewSession& session) {
+  session.extended.clear();
+  ++session.lights_version;
+  const auto add = [&](ExtendedKind kind, std::vector<ExtendedPoint> points) {
+    if (!points.empty())
+      session.extended.push_back(make_extended_lights(kind, std::move(points), session.world.radius_m));
+  };
+  for (const ExtendedKind kind : {ExtendedKind::surfaces, ExtendedKind::spheres}) {
+    std::vector<ExtendedPoint> points;
+    for (std::size_t i = 0; i < session.world.objects.size(); ++i) {
+      const ViewObject& object = session.world.objects[i];
+      const std::vector<ExtendedPoint> more = surface_points(*object.scene, Lights(traced(object)), kind, i);
+      points.insert(points.end(), more.begin(), more.end());
+    }
+    add(kind, std::move(points));
+  }
+  if (session.environment_map) add(ExtendedKind::environment, environment_points(*session.environment_map));
+}
+
+void look_as_at_first(ViewSession& session, const SessionInput& input) {
+  const Camera camera = choose_camera(input, session.world);
+  session.world.camera = make_view_camera(camera, session.world.center_m, session.world.radius_m);
+}
+
 ViewSession open_session(const SessionInput& input) {
   ViewSession session;
   session.load = input.load;
+  session.environment_turn_deg = input.environment.turn_deg;
   LoadedScene loaded = load_scene(input.scene, input.load.load);
   append(session.notes, loaded.warnings, "warning: ");
   session.scene_facts["scene"] = file_name(input.scene);
@@ -170,26 +197,32 @@ ViewSession open_session(const SessionInput& input) {
   for (const std::string& text : input.occluders) add_occluder(loaded.scene, text, names, files);
   for (const std::string& text : names) {
     if (const std::optional<ObjectFile> file = parse_object(text)) {
-      objects.push_back(load_object(session, file->path, file->translation, loaded.scene.anchor_m));
+      objects.push_back(load_object(session, file->path, file->place, loaded.scene.anchor_m));
     } else {
+      const V3f pivot = pivot_of_node(loaded.scene, text);
       objects.push_back(make_object(text, take_node(loaded.scene, text), V3f(0, 0, 0), true));
+      objects.back().pivot_m = pivot;
+      objects.back().node = text;
     }
   }
+  place_objects(objects, input.places, loaded.scene.anchor_m);
   for (std::size_t i = 0; i < input.paths.size(); ++i) objects[i].path = parse_path(input.paths[i]);
 
   for (const SphereLightOption& light : input.sphere_lights) add_sphere_light(loaded.scene, light, "--sphere-light");
-  session.direct = runtime_lights(loaded.scene);
+  const std::size_t all_lights = loaded.scene.lights.size();
+  prepare_animation(session, input, objects);
   add_object(session, make_object(file_name(input.scene), std::move(loaded.scene), V3f(0, 0, 0), false));
   for (ViewObject& object : objects) add_object(session, std::move(object));
   if (!input.environment.path.empty()) set_environment(session, input.environment);
   measure(session.world);
-  if (const std::size_t all = session.direct.size(); all > max_lights) {
-    session.direct = strongest(session.direct, max_lights, session.world.center_m, session.world.radius_m);
+  session.lamps = lamps_of(session);
+  for (const std::string& text : input.lamps) change_lamp(session, text);
+  shine(session);
+  if (all_lights > max_lights) {
     session.notes.push_back(fmt::format("note: {} of the {} lights are left out: the {} strongest shine",
-                                        all - max_lights, all, max_lights));
+                                        all_lights - max_lights, all_lights, max_lights));
   }
-  const Camera camera = choose_camera(input, session.world);
-  session.world.camera = make_view_camera(camera, session.world.center_m, session.world.radius_m);
+  look_as_at_first(session, input);
   for (const std::string& path : files) add_file(session, path, std::nullopt, input.size);
   for (const std::string& text : input.spheres) {
     const std::size_t at = text.rfind('@');
@@ -219,7 +252,7 @@ std::string add_file(ViewSession& session, const std::string& path, const std::o
                      const Imath::V2i& size) {
   const FileKind kind = file_kind(path);
   if (kind == FileKind::scene) {
-    ViewObject object = load_object(session, path, V3d(0, 0, 0), session.world.scene().anchor_m);
+    ViewObject object = load_object(session, path, {}, session.world.scene().anchor_m);
     // It stands on the point: the lowest of its sphere's middle.
     if (at) {
       const Box3f box = bounds(*object.scene);

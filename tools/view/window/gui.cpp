@@ -10,6 +10,7 @@
 #include "tools/cli/common.h"
 #include "tools/view/session/groups.h"
 #include "tools/view/session/light.h"
+#include "tools/view/window/gui_motion.h"
 
 namespace ivory {
 
@@ -104,6 +105,19 @@ void draw_objects(ViewSession& session, GuiState& state, GuiRequest& request) {
         object.offset_m = offset_in_scene(object, offset, anchor_m);
         request.redraw = true;
       }
+      V3f turn_deg = object.turn_deg;
+      // Whoever types may type "nan".
+      if (ImGui::DragFloat3("turn, degrees", &turn_deg.x, 0.5F, -36000, 36000, "%.1f") &&
+          std::isfinite(turn_deg.x + turn_deg.y + turn_deg.z)) {
+        object.turn_deg = turn_deg;
+        request.redraw = true;
+      }
+      tooltip("about +X, then +Z, then +Y; Ctrl and the left button turn about +Y, and so do , and .");
+      float scale = object.scale;
+      if (ImGui::DragFloat("scale", &scale, 0.005F, 1e-3F, 1e3F, "%.3f") && scale > 0 && scale <= 1e6F) {
+        object.scale = scale;
+        request.redraw = true;
+      }
       if (ImGui::SmallButton("remove")) request.removed = int(i);
     }
     ImGui::Unindent();
@@ -152,6 +166,13 @@ void draw_light(ViewSession& session, GuiRequest& request) {
     ImGui::EndCombo();
   }
   changed = ImGui::DragFloat3("constant, lux", &s.constant_e_lux.x, 0.01F, 0, 1e6F) || changed;
+  if (!session.environment.empty()) {
+    auto turn_deg = float(session.environment_turn_deg);
+    if (ImGui::SliderFloat("sky's turn", &turn_deg, -180, 180, "%.1f degrees") && std::isfinite(turn_deg)) {
+      session.environment_turn_deg = double(turn_deg);
+      changed = true;
+    }
+  }
   bool planes = s.lookup.guard == Guard::planes;
   if (ImGui::Checkbox("leak guard by planes", &planes)) {
     s.lookup.guard = planes ? Guard::planes : Guard::off;
@@ -236,7 +257,9 @@ void draw_help() {
   if (!ImGui::CollapsingHeader("Mouse and keys")) return;
   ImGui::TextUnformatted(
       "left       drag object on the ground\n"
-      "           (Shift: in the picture's plane); else orbit\n"
+      "           (Shift: in the picture's plane,\n"
+      "           Ctrl: turn it); else orbit\n"
+      ", .        turn it         - =  its size\n"
       "right      look around     middle  move\n"
       "wheel      come closer     W A S D Q E  fly\n"
       "F  all in view             Home  first view\n"
@@ -244,7 +267,7 @@ void draw_help() {
       "Ctrl+P  with this panel    H  hide it\n"
       "X  find exposure           V  next view\n"
       "G  guard                   C  tricubic\n"
-      "Space  paths               Esc  quit");
+      "Space  paths, animation    Esc  quit");
 }
 
 }  // namespace
@@ -257,7 +280,9 @@ GuiRequest draw_gui(ViewSession& session, GuiState& state) {
   if (ImGui::Begin("ivory")) {
     ImGui::PushItemWidth(170);
     draw_objects(session, state, request);
+    draw_animation(session, state);
     draw_light(session, request);
+    draw_lamps(session, request);
     draw_groups(session, state, request);
     draw_picture(session, state, request);
     draw_camera(session, request);

@@ -18,6 +18,7 @@ struct GroupChoice {
 struct GuiState {
   bool shown = true;
   bool playing = true;       // objects move on their paths
+  bool animates = false;     // and the scene as its animation has it
   int samples = 16;          // points a pixel once nothing moves
   std::size_t selected = 0;  // object
   float cpu_ms = 0;          // of the last frame drawn

@@ -1,5 +1,6 @@
 #include "tools/view/window/viewer.h"
 
+#include <cmath>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -30,6 +31,7 @@ Viewer::Viewer(const ViewRun& run, const CommonOptions& common)
   state_.samples = run.samples;
   resize();
   if (target_) find_exposure_now();
+  state_.animates = run.input.plays;
   if (run.exposure_stops) session_->settings.tone.exposure_stops = *run.exposure_stops;
 }
 
@@ -44,6 +46,7 @@ void Viewer::run_until_closed() {
       session_->world.time_s += now - last;
       dirty_ = true;
     }
+    animate(now - last);
     last = now;
     resize();
     if (!target_) continue;  // an icon draws nothing
@@ -71,8 +74,36 @@ bool Viewer::moving() const {
   return false;
 }
 
+// The scene at its animation's time, which goes on where it plays, over and over. What cannot be posed stays as it is.
+void Viewer::animate(double seconds) {
+  if (!session_->animation) return;
+  SceneAnimation& animation = *session_->animation;
+  if (state_.animates) {
+    const double begin_s = animation.span().begin_s;
+    const double length_s = animation.span().end_s - begin_s;
+    animation.time_s += seconds;
+    if (animation.time_s > animation.span().end_s)
+      animation.time_s = length_s > 0 ? begin_s + std::fmod(animation.time_s - begin_s, length_s) : begin_s;
+  }
+  if (!animates() && !animation.posed && animation.time_s == animation.shown_s) return;  // as it is stored
+  if (animation.posed && animation.time_s == animation.shown_s && animation.chosen == animation.shown) return;
+  attempt([&] {
+    try {
+      pose_scene(*session_);
+      dirty_ = true;
+    } catch (...) {
+      state_.animates = false;
+      animation.time_s = animation.shown_s;
+      animation.chosen = animation.shown;
+      throw;
+    }
+  });
+}
+
+bool Viewer::animates() const { return session_->animation && state_.animates; }
+
 bool Viewer::idle() const {
-  return !dirty_ && !controls_.flies() && !moving() && target_ &&
+  return !dirty_ && !controls_.flies() && !moving() && !animates() && target_ &&
          (!failure_.empty() || target_->samples() >= state_.samples);
 }
 

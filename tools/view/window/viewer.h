@@ -33,6 +33,8 @@ class Viewer {
   std::size_t bytes() const;  // on the GPU
   bool moving() const;
   bool idle() const;
+  bool animates() const;
+  void animate(double seconds);
   void say(const std::string& message);
   template <typename Action>
   void attempt(const Action& action);
@@ -59,6 +61,9 @@ class Viewer {
   void on(const FocusLostEvent& e);
   void press(const KeyEvent& e);
   void show_next_view();
+  ViewObject* selected_object();  // null: none that moves
+  bool turn_selected(float degrees);
+  bool scale_selected(float factor);
 
   const ViewRun& run_;
   const CommonOptions& common_;

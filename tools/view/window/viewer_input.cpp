@@ -1,4 +1,7 @@
 // What mouse, keys and dropped files do.
+#include <algorithm>
+#include <cmath>
+
 #include <imgui.h>
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -17,7 +20,10 @@ void Viewer::on(const MouseButtonEvent& e) {
   if (!e.down) {
     controls_.release(*button);
   } else if (!(state_.shown && ImGui::GetIO().WantCaptureMouse)) {
-    controls_.press(session_->world, *button, e.pixel, window_.size(), e.shift);
+    controls_.press(session_->world, *button, e.pixel, window_.size(),
+                    e.control ? DragMode::turn
+                    : e.shift ? DragMode::plane
+                              : DragMode::ground);
   }
 }
 
@@ -82,11 +88,25 @@ void Viewer::press(const KeyEvent& e) {
       find_exposure_now();
       return;
     case GLFW_KEY_SPACE:
-      state_.playing = !state_.playing;
+      // Both at once; where an animation could play, it is what is looked at.
+      state_.playing = session_->animation ? !state_.animates : !state_.playing;
+      state_.animates = session_->animation && state_.playing;
       return;
     case GLFW_KEY_DELETE:
       if (controls_.selected() > 0) remove(controls_.selected());
       return;
+    case GLFW_KEY_COMMA:
+      if (!turn_selected(5)) return;
+      break;
+    case GLFW_KEY_PERIOD:
+      if (!turn_selected(-5)) return;
+      break;
+    case GLFW_KEY_MINUS:
+      if (!scale_selected(1 / 1.1F)) return;
+      break;
+    case GLFW_KEY_EQUAL:
+      if (!scale_selected(1.1F)) return;
+      break;
     case GLFW_KEY_G:
       s.lookup.guard = s.lookup.guard == Guard::planes ? Guard::off : Guard::planes;
       break;
@@ -101,6 +121,24 @@ void Viewer::press(const KeyEvent& e) {
       return;
   }
   dirty_ = true;
+}
+
+ViewObject* Viewer::selected_object() {
+  std::vector<ViewObject>& objects = session_->world.objects;
+  const std::size_t selected = controls_.selected();
+  return selected < objects.size() && objects[selected].moves ? &objects[selected] : nullptr;
+}
+
+bool Viewer::turn_selected(float degrees) {
+  ViewObject* object = selected_object();
+  if (object != nullptr) object->turn_deg.y = std::remainder(object->turn_deg.y + degrees, 360.0F);
+  return object != nullptr;
+}
+
+bool Viewer::scale_selected(float factor) {
+  ViewObject* object = selected_object();
+  if (object != nullptr) object->scale = std::clamp(object->scale * factor, 1e-3F, 1e3F);
+  return object != nullptr;
 }
 
 // The next one that can be shown.

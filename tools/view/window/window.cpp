@@ -34,8 +34,8 @@ Error no_window(const std::string& cause) {
 struct WindowCallbacks {
   static Window& of(GLFWwindow* window) { return *static_cast<Window*>(glfwGetWindowUserPointer(window)); }
   static void button(GLFWwindow* window, int button, int action, int mods) {
-    of(window).events_.push_back(
-        MouseButtonEvent{button, action == GLFW_PRESS, of(window).cursor_, (mods & GLFW_MOD_SHIFT) != 0});
+    of(window).events_.push_back(MouseButtonEvent{button, action == GLFW_PRESS, of(window).cursor_,
+                                                  (mods & GLFW_MOD_SHIFT) != 0, (mods & GLFW_MOD_CONTROL) != 0});
   }
   static void move(GLFWwindow* window, double x, double y) {
     of(window).cursor_ = of(window).to_pixel(x, y);

@@ -17,6 +17,7 @@ struct MouseButtonEvent {
   bool down = false;
   V2f pixel;  // of the picture, from its upper left corner
   bool shift = false;
+  bool control = false;
 };
 struct MouseMoveEvent {
   V2f pixel;

@@ -38,23 +38,27 @@ constexpr float speed_of_radius_per_second = 0.5F;
 }  // namespace
 
 void ViewControls::press(const ViewWorld& world, MouseButton button, const V2f& pixel, const Imath::V2i& size,
-                         bool shift) {
+                         DragMode mode) {
   held_ = button;
   last_ = pixel;
   drag_.reset();
+  turns_ = false;
   if (button != MouseButton::left) return;
   const View view = view_of(world, size);
   const std::optional<Pick> found = pick(world, make_ray(view, pixel));
   if (!found || !world.objects[found->object].moves) return;
   selected_ = found->object;
+  turns_ = mode == DragMode::turn;
+  if (turns_) return;
   drag_ = begin_drag(view, found->point_m, world.objects[selected_].offset_m,
-                     shift ? DragPlane::view : DragPlane::ground, 4 * world.radius_m);
+                     mode == DragMode::plane ? DragPlane::view : DragPlane::ground, 4 * world.radius_m);
 }
 
 void ViewControls::release(MouseButton button) {
   if (held_ != button) return;
   held_.reset();
   drag_.reset();
+  turns_ = false;
 }
 
 bool ViewControls::move(ViewWorld& world, const V2f& pixel, const Imath::V2i& size) {
@@ -63,7 +67,12 @@ bool ViewControls::move(ViewWorld& world, const V2f& pixel, const Imath::V2i& si
   if (!held_ || by == V2f(0, 0)) return false;
   switch (*held_) {
     case MouseButton::left:
-      if (!drag_) {
+      if (turns_) {
+        if (selected_ >= world.objects.size()) return false;
+        // To the right brings what is in front to the right.
+        V3f& turn_deg = world.objects[selected_].turn_deg;
+        turn_deg.y = std::remainder(turn_deg.y + angle_rad(by.x, size) * (180 / pi), 360.0F);
+      } else if (!drag_) {
         world.camera = orbit(world.camera, -angle_rad(by.x, size), angle_rad(by.y, size));
       } else if (selected_ < world.objects.size()) {
         const std::optional<V3f> offset = drag_to(*drag_, view_of(world, size), pixel);
@@ -119,6 +128,7 @@ bool ViewControls::advance(ViewWorld& world, float seconds, bool fast) {
 
 void ViewControls::release_all() {
   flying_.fill(false);
+  turns_ = false;
   held_.reset();
   drag_.reset();
 }

@@ -12,12 +12,15 @@ namespace ivory {
 enum class MouseButton { left, right, middle };
 enum class FlyKey { forward, back, left, right, up, down };
 
-// Left: drags the object under the mouse over the ground, or with Shift in the picture's plane; orbits where there is
-// none. Right: looks around. Middle: moves the camera in the picture's plane. Wheel: comes closer.
+// How the left button drags an object: over the ground, in the picture's plane, or on the spot, about +Y.
+enum class DragMode { ground, plane, turn };
+
+// Left: drags the object under the mouse as its mode says; orbits where there is none. Right: looks around. Middle:
+// moves the camera in the picture's plane. Wheel: comes closer.
 class ViewControls {
  public:
   // All pixels are the picture's, from its upper left corner. True where the picture changed.
-  void press(const ViewWorld& world, MouseButton button, const V2f& pixel, const Imath::V2i& size, bool shift);
+  void press(const ViewWorld& world, MouseButton button, const V2f& pixel, const Imath::V2i& size, DragMode mode);
   void release(MouseButton button);
   bool move(ViewWorld& world, const V2f& pixel, const Imath::V2i& size);
   bool scroll(ViewWorld& world, float notches);
@@ -37,6 +40,7 @@ class ViewControls {
   std::optional<MouseButton> held_;
   V2f last_{0, 0};
   std::optional<Drag> drag_;
+  bool turns_ = false;  // the selected object, as the mouse goes to the side
   std::size_t selected_ = 0;
   std::array<bool, 6> flying_{};
 };

@@ -123,38 +123,47 @@ ExtendedLights make_extended_lights(ExtendedKind kind, std::vector<ExtendedPoint
   return lights;
 }
 
-std::vector<RuntimeLight> small_lights(const ExtendedLights& lights, int sample, std::span<const V3f> places) {
+std::vector<RuntimeLight> small_lights(const ExtendedLights& lights, int sample, std::span<const Placement> places,
+                                       const M33f& sky) {
   std::vector<RuntimeLight> out;
+  const bool is_environment = lights.kind == ExtendedKind::environment;
+  // Light of a piece of a surface is radiance times area.
+  const auto growth = [&](const ExtendedPoint& point) {
+    const float scale = is_environment ? 1.0F : places[point.object].scale;
+    return scale * scale;
+  };
   std::size_t begin = 0;
   for (std::size_t g = 0; g < lights.ends.size(); ++g) {
     Rgb light(0, 0, 0);
     float extent = 0;
     float total = 0;
     for (std::size_t i = begin; i < lights.ends[g]; ++i) {
-      light += lights.points[i].light;
-      extent += lights.points[i].extent;
-      total += weight_of(lights.points[i]);
+      const float grown = growth(lights.points[i]);
+      light += lights.points[i].light * grown;
+      extent += lights.points[i].extent * grown;
+      total += weight_of(lights.points[i]) * grown;
     }
     // The golden ratio's multiples spread evenly however many there are; groups begin at other places, but for the
     // first sample.
     const double u = 0.5 + double(sample) * (0.6180339887498949 + 0.7548776662466927 * double(g));
     float left = float(u - std::floor(u)) * total;
     std::size_t chosen = begin;
-    while (chosen + 1 < lights.ends[g] && left > weight_of(lights.points[chosen]))
-      left -= weight_of(lights.points[chosen++]);
+    const auto weight = [&](std::size_t i) { return weight_of(lights.points[i]) * growth(lights.points[i]); };
+    while (chosen + 1 < lights.ends[g] && left > weight(chosen)) left -= weight(chosen++);
     const ExtendedPoint& point = lights.points[chosen];
     RuntimeLight small;
     small.intensity = light;
     // What the extent blurs nearby and in highlights shrinks with the samples, whose sum grows as sharp as the light:
     // bias and spikes both go, as radii do in progressive photon mapping.
     small.extent = extent / float(sample + 1);
-    if (lights.kind == ExtendedKind::environment) {
+    if (is_environment) {
       small.kind = LightKind::directional;
-      small.direction = -point.at;
+      small.direction = -point.at * sky;
     } else {
       small.kind = LightKind::patch;
-      small.position_m = point.at + places[point.object];
-      small.direction = point.n;
+      const Placement& place = places[point.object];
+      small.position_m = placed(place, point.at);
+      small.direction = point.n * turn_of(place);
     }
     out.push_back(small);
     begin = lights.ends[g];

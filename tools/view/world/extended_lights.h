@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "grid/base/placement.h"
 #include "runtime/renderer/punctual_light.h"
 #include "tracer/core/scene.h"
 #include "tracer/lights/lights.h"
@@ -46,7 +47,9 @@ std::vector<ExtendedPoint> environment_points(const EnvironmentMap& map);
 ExtendedLights make_extended_lights(ExtendedKind kind, std::vector<ExtendedPoint> points, float radius_m);
 
 // One point of each group, with all of the group's light: another one for each number `sample`, in the middle of the
-// group for 0. `places`: what moves each object's points, m. The mean over many samples is the light of all.
-std::vector<RuntimeLight> small_lights(const ExtendedLights& lights, int sample, std::span<const V3f> places);
+// group for 0. `places`: where each object stands; `sky`: the turn of the environment, of row vectors. The mean over
+// many samples is the light of all.
+std::vector<RuntimeLight> small_lights(const ExtendedLights& lights, int sample, std::span<const Placement> places,
+                                       const M33f& sky = {});
 
 }  // namespace ivory

@@ -182,6 +182,38 @@ GpuModel upload(const Scene& scene) {
   return model;
 }
 
+namespace {
+
+bool same_layout(const Scene& a, const Scene& b) {
+  const auto same_mesh = [](const Mesh& m, const Mesh& n) {
+    return m.positions.size() == n.positions.size() && m.triangles == n.triangles &&
+           m.normals.size() == n.normals.size() && m.tangents.size() == n.tangents.size() && m.material == n.material;
+  };
+  return std::equal(a.instances.begin(), a.instances.end(), b.instances.begin(), b.instances.end(),
+                    [](const Instance& i, const Instance& k) { return i.mesh == k.mesh; }) &&
+         std::equal(a.meshes.begin(), a.meshes.end(), b.meshes.begin(), b.meshes.end(), same_mesh) &&
+         a.materials.size() == b.materials.size();
+}
+
+}  // namespace
+
+void update(GpuModel& model, const Scene& before, const Scene& scene) {
+  if (!same_layout(before, scene) || model.parts.size() != scene.instances.size()) {
+    model = upload(scene);
+    return;
+  }
+  std::set<int> done;
+  for (std::size_t i = 0; i < model.parts.size(); ++i) {
+    const int index = scene.instances[i].mesh;
+    model.parts[i].to_world = scene.instances[i].to_world;
+    if (!done.insert(index).second) continue;
+    const Mesh& was = before.meshes[std::size_t(index)];
+    const Mesh& mesh = scene.meshes[std::size_t(index)];
+    if (was.positions != mesh.positions || was.normals != mesh.normals || was.tangents != mesh.tangents)
+      update(model.meshes[model.parts[i].mesh], mesh_data(mesh), scene.name);
+  }
+}
+
 std::vector<RuntimeLight> runtime_lights(const Scene& scene) {
   std::vector<RuntimeLight> lights;
   for (const PunctualLight& light : scene.lights) {

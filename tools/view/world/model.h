@@ -31,6 +31,10 @@ struct GpuModel {
 // Only what the instances show. Throws Error where OpenGL has no room for it.
 GpuModel upload(const Scene& scene);
 
+// From one pose of a scene to another: transforms and vertices alone where both have the same meshes in the same
+// places, else all anew. Throws as upload() does.
+void update(GpuModel& model, const Scene& before, const Scene& scene);
+
 // The scene's point, spot and directional lights; its other lights give none of them.
 std::vector<RuntimeLight> runtime_lights(const Scene& scene);
 

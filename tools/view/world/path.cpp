@@ -17,8 +17,9 @@ namespace {
 constexpr std::size_t max_keys = 100'000;
 
 UsageError bad_path(const std::string& text, const std::string& cause) {
-  return UsageError(fmt::format("--path: '{}' {}; it is circle:RADIUS[,SECONDS], line:X,Y,Z[,SECONDS] or keys:FILE.csv",
-                                text, cause));
+  return UsageError(
+      fmt::format("--path: '{}' {}; it is circle:RADIUS[,SECONDS], line:X,Y,Z[,SECONDS], turn:SECONDS or keys:FILE.csv",
+                  text, cause));
 }
 
 // `least` numbers, or one more that is the period.
@@ -32,16 +33,23 @@ std::vector<float> numbers(const std::string& text, const std::string& values, s
 }
 
 std::vector<Keyframe> read_keys(const std::string& file) {
-  const std::string remedy = "write lines t,x,y,z: seconds and metres, such as 0.5,1,0,0";
+  const std::string remedy =
+      "write lines t,x,y,z, or with rx,ry,rz and a scale behind: seconds, metres, degrees, such as 0.5,1,0,0";
   std::vector<Keyframe> keys;
   for (const CsvLine& line : read_csv_lines(file, remedy)) {
-    if (line.text.empty() || line.text.front() == '#' || line.text == "t,x,y,z") continue;
+    if (line.text.empty() || line.text.front() == '#' || line.text.starts_with("t,x,y,z")) continue;
     const auto cells = csv_cells(line.text);
-    if (cells.size() != 4) throw Error(file, fmt::format("line {} has {} cells", line.number, cells.size()), remedy);
+    if (cells.size() != 4 && cells.size() != 7 && cells.size() != 8)
+      throw Error(file, fmt::format("line {} has {} cells", line.number, cells.size()), remedy);
     const auto number = [&](std::size_t i, const char* column) {
       return csv_number(file, line, cells[i], column, remedy);
     };
-    keys.push_back({number(0, "t"), V3f(V3d(number(1, "x"), number(2, "y"), number(3, "z")))});
+    Keyframe key{number(0, "t"), {V3f(V3d(number(1, "x"), number(2, "y"), number(3, "z"))), V3f(0, 0, 0), 1}};
+    if (cells.size() > 4) key.at.turn_deg = V3f(V3d(number(4, "rx"), number(5, "ry"), number(6, "rz")));
+    if (cells.size() > 7) key.at.scale = float(number(7, "scale"));
+    if (!(key.at.scale > 0))
+      throw Error(file, fmt::format("line {} has a scale that is not above 0", line.number), remedy);
+    keys.push_back(key);
     if (keys.back().time_s < 0 || (keys.size() > 1 && keys.back().time_s <= keys[keys.size() - 2].time_s)) {
       throw Error(file, fmt::format("the time of line {} is not later than the one before", line.number),
                   "put keyframes in order, from 0 s");
@@ -52,14 +60,16 @@ std::vector<Keyframe> read_keys(const std::string& file) {
   return keys;
 }
 
-V3f between_keys(const std::vector<Keyframe>& keys, double time_s) {
+PathPoint between_keys(const std::vector<Keyframe>& keys, double time_s) {
   const auto after =
       std::upper_bound(keys.begin(), keys.end(), time_s, [](double t, const Keyframe& key) { return t < key.time_s; });
-  if (after == keys.begin()) return keys.front().offset_m;
-  if (after == keys.end()) return keys.back().offset_m;
+  if (after == keys.begin()) return keys.front().at;
+  if (after == keys.end()) return keys.back().at;
   const Keyframe& before = after[-1];
   const auto share = float((time_s - before.time_s) / (after->time_s - before.time_s));
-  return before.offset_m * (1 - share) + after->offset_m * share;
+  const auto mix = [&](const auto& a, const auto& b) { return a * (1 - share) + b * share; };
+  return {mix(before.at.offset_m, after->at.offset_m), mix(before.at.turn_deg, after->at.turn_deg),
+          mix(before.at.scale, after->at.scale)};
 }
 
 }  // namespace
@@ -80,6 +90,10 @@ ObjectPath parse_path(const std::string& text) {
     path.kind = ObjectPath::Kind::line;
     path.there_m = V3f(v[0], v[1], v[2]);
     if (v.size() > 3) path.period_s = double(v[3]);
+  } else if (kind == "turn") {
+    path.kind = ObjectPath::Kind::turn;
+    path.period_s = parse_numbers("--path", values, 1, "turn:SECONDS")[0];
+    if (!(path.period_s > 0)) throw bad_path(text, "has a period that is not positive");
   } else if (kind == "keys") {
     path.kind = ObjectPath::Kind::keys;
     path.keys = read_keys(values);
@@ -90,7 +104,7 @@ ObjectPath parse_path(const std::string& text) {
   return path;
 }
 
-V3f offset_at(const ObjectPath& path, double time_s) {
+PathPoint at(const ObjectPath& path, double time_s) {
   const double within = std::fmod(time_s, path.period_s);
   const double turn = 2 * double(pi) * within / path.period_s;
   switch (path.kind) {
@@ -98,13 +112,15 @@ V3f offset_at(const ObjectPath& path, double time_s) {
       break;
     case ObjectPath::Kind::circle:
       // Starts at the object's own place, so that what stands free on the command line does so at first.
-      return V3f(float(std::cos(turn)) - 1, 0, float(-std::sin(turn))) * path.radius_m;
+      return {V3f(float(std::cos(turn)) - 1, 0, float(-std::sin(turn))) * path.radius_m, V3f(0, 0, 0), 1};
     case ObjectPath::Kind::line:
-      return path.there_m * float(0.5 - 0.5 * std::cos(turn));
+      return {path.there_m * float(0.5 - 0.5 * std::cos(turn)), V3f(0, 0, 0), 1};
+    case ObjectPath::Kind::turn:
+      return {V3f(0, 0, 0), V3f(0, float(360 * within / path.period_s), 0), 1};
     case ObjectPath::Kind::keys:
       return between_keys(path.keys, within);
   }
-  return {0, 0, 0};
+  return {};
 }
 
 }  // namespace ivory

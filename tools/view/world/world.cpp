@@ -9,8 +9,12 @@ void measure(ViewWorld& world) {
   Box3f box;
   for (const ViewObject& object : world.objects) {
     const Box3f own = bounds(*object.scene);
-    box.extendBy(own.min + object.offset_m);
-    box.extendBy(own.max + object.offset_m);
+    const Placement placement{object.offset_m, object.turn_deg, object.scale, object.pivot_m};
+    for (int corner = 0; corner < 8; ++corner) {
+      box.extendBy(
+          placed(placement, V3f((corner & 1) != 0 ? own.max.x : own.min.x, (corner & 2) != 0 ? own.max.y : own.min.y,
+                                (corner & 4) != 0 ? own.max.z : own.min.z)));
+    }
   }
   world.center_m = box.center();
   world.radius_m = std::max(box.size().length() * 0.505F, 1e-6F);
@@ -19,14 +23,18 @@ void measure(ViewWorld& world) {
 std::optional<Pick> pick(const ViewWorld& world, const Ray& ray) {
   std::optional<Pick> nearest;
   Ray search = ray;
+  float nearest_t = ray.t_max;
   for (std::size_t i = 0; i < world.objects.size(); ++i) {
     const ViewObject& object = world.objects[i];
-    const V3f at = place(object, world.time_s);
-    search.origin = ray.origin - at;
-    const std::optional<Hit> hit = object.intersector->closest(search);
+    // Into the object's own space and size; directions stay of unit length.
+    const Placement at = place(object, world.time_s);
+    search.origin = unplaced(at, ray.origin);
+    search.direction = ray.direction * turn_of(at).transposed();
+    search.t_max = nearest_t / at.scale;
+    const std::optional<Hit> hit = traced(object).closest(search);
     if (!hit) continue;
-    search.t_max = hit->t;
-    nearest = Pick{i, ray.origin + ray.direction * hit->t};
+    nearest_t = hit->t * at.scale;
+    nearest = Pick{i, ray.origin + ray.direction * nearest_t};
   }
   return nearest;
 }

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "grid/base/error.h"
+#include "grid/base/placement.h"
 
 namespace ivory {
 
@@ -149,10 +150,14 @@ FivOccluder make_fiv_occluder(const Scene& scene) {
   return out;
 }
 
-std::optional<FivPlacement> find_placement(const FivTable& table, const Scene& scene,
-                                           const std::vector<bool>& is_part) {
-  const std::vector<V3d> points = world_points(scene, is_part);
+std::optional<FivPlacement> find_placement(const FivTable& table, const Scene& scene, const std::vector<bool>& is_part,
+                                           double turn_rad) {
+  std::vector<V3d> points = world_points(scene, is_part);
   if (points.empty()) return std::nullopt;
+  const Imath::M33d turn(turn_about_y(turn_rad));
+  if (turn_rad != 0) {
+    for (V3d& point : points) point = point * turn.transposed();
+  }
   // About any centre and radius: the first of the moments then gives those that the table's numbers belong to.
   const V3d& any = points.front();
   const SurfaceMoments moved = moments_of(points, any, 1);
@@ -167,7 +172,33 @@ std::optional<FivPlacement> find_placement(const FivTable& table, const Scene& s
   for (std::size_t k = 1; k < shape.size(); ++k) {
     if (!(std::abs(shape[k] - table.shape[k]) < tolerance)) return std::nullopt;
   }
-  return FivPlacement{&table, V3f(center), float(radius)};
+  return FivPlacement{&table, V3f(turn_rad != 0 ? center * turn : center), float(radius)};
+}
+
+std::optional<TurnedPlacement> find_turned_placement(const FivTable& table, const Scene& scene,
+                                                     const std::vector<bool>& is_part) {
+  std::vector<double> candidates{0};
+  const std::size_t first = std::size_t(std::find(is_part.begin(), is_part.end(), true) - is_part.begin());
+  if (first < scene.instances.size()) {
+    // A turn about +Y after any other that the table's mesh has too.
+    const M44f& m = scene.instances[first].to_world;
+    candidates.push_back(std::atan2(double(m[2][0]) - double(m[0][2]), double(m[0][0]) + double(m[2][2])));
+  }
+  // The longest axis seen from above, from +X towards +Z: a turn takes its angle off it.
+  const auto axis_of = [](const auto& s) {
+    return 0.5 * std::atan2(2 * (double(s[8]) - double(s[1]) * double(s[3])),
+                            double(s[4]) - double(s[1]) * double(s[1]) - double(s[6]) + double(s[3]) * double(s[3]));
+  };
+  if (const std::vector<V3d> points = world_points(scene, is_part); !points.empty()) {
+    const double by_axis = axis_of(table.shape) - axis_of(moments_of(points, points.front(), 1));
+    candidates.push_back(by_axis);
+    candidates.push_back(by_axis + double(pi));
+  }
+  for (const double turn_rad : candidates) {
+    if (const std::optional<FivPlacement> at = find_placement(table, scene, is_part, turn_rad))
+      return TurnedPlacement{*at, turn_rad};
+  }
+  return std::nullopt;
 }
 
 }  // namespace ivory
