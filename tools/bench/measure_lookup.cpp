@@ -33,8 +33,8 @@ double median_ns(int rounds, std::size_t count, const Work& work) {
 
 }  // namespace
 
-std::vector<LookupPoint> surface_points(const GridFrame& frame, const Intersector& intersector, int count) {
-  std::vector<LookupPoint> points;
+std::vector<BenchPoint> surface_points(const GridFrame& frame, const Intersector& intersector, int count) {
+  std::vector<BenchPoint> points;
   RandomStream random(1, StreamPurpose::test, 0);
   for (int tries = 0; points.size() < std::size_t(count) && tries < 100 * count; ++tries) {
     const V3f a(random.next(), random.next(), random.next());
@@ -51,7 +51,7 @@ std::vector<LookupPoint> surface_points(const GridFrame& frame, const Intersecto
 
 LookupBench bench_lookup(const IrradianceGrid& grid, const Intersector& intersector, const LookupParams& lookup,
                          int lookups, int rounds) {
-  const std::vector<LookupPoint> points = surface_points(grid.frame, intersector, lookups);
+  const std::vector<BenchPoint> points = surface_points(grid.frame, intersector, lookups);
   if (points.empty())
     throw Error(intersector.scene().name, "no surface was found inside the grid", "give the scene that was baked");
   // The results are kept, so that the compiler keeps the work.

@@ -9,11 +9,11 @@
 namespace ivory {
 
 // Where random lines through the grid's box meet surfaces: at most `count` points, in random order.
-struct LookupPoint {
+struct BenchPoint {
   V3f p;
   V3f n;
 };
-std::vector<LookupPoint> surface_points(const GridFrame& frame, const Intersector& intersector, int count);
+std::vector<BenchPoint> surface_points(const GridFrame& frame, const Intersector& intersector, int count);
 
 struct LookupBench {
   double off_ns = 0;

@@ -122,7 +122,7 @@ IrradianceGrid bake_box(const LitScene& lit, const BenchAllParams& params) {
 BenchRow lookup_row(Guard guard, const BenchAllParams& params) {
   const LitScene lit = make_lit_scene(make_box());
   const IrradianceGrid grid = bake_box(lit, params);
-  const std::vector<LookupPoint> points = surface_points(grid.frame, lit.intersector, int(scaled(50'000, params)));
+  const std::vector<BenchPoint> points = surface_points(grid.frame, lit.intersector, int(scaled(50'000, params)));
   std::vector<Rgb> results(points.size());  // kept, so that the compiler keeps the work
   LookupParams lookup;
   lookup.guard = guard;
