@@ -240,9 +240,14 @@ float LightTree::importance(std::uint32_t node, const Receiver& receiver) const 
   return importance(nodes_[node], receiver);
 }
 
+// By what is known one step further down, where bounds are tighter: for twice the work, a good deal less variance.
 float LightTree::first_share(std::uint32_t first_child, const Receiver& receiver) const {
-  const float first = importance(nodes_[first_child], receiver);
-  const float second = importance(nodes_[first_child + 1], receiver);
+  const auto ahead = [&](const Node& node) {
+    return node.is_leaf ? importance(node, receiver)
+                        : importance(nodes_[node.child], receiver) + importance(nodes_[node.child + 1], receiver);
+  };
+  const float first = ahead(nodes_[first_child]);
+  const float second = ahead(nodes_[first_child + 1]);
   const float sum = first + second;
   return sum > 0 ? first / sum : -1.0F;
 }
