@@ -108,10 +108,10 @@ class Lights {
   // (behind an emitter's dark side, outside a spot's cone). Visibility is the caller's.
   std::optional<LightSample> sample(const V3f& p, RandomStream& random) const;
 
-  // For the receiver, `samples(pick)` samples from different lights, whose sum is the estimate; sample i (below that) of
-  // them, whose weight and density are those of that light alone. One among several lights is chosen by
-  // about what it gives the receiver unshadowed, and a little by chance; nothing where none reaches it. Visibility is
-  // the caller's.
+  // For the receiver, `samples(pick)` samples from different lights, whose sum is the estimate; sample i (below that)
+  // of them, whose weight and density are those of that light alone. One among several lights is chosen by about what
+  // it gives the receiver unshadowed, and a little by chance; nothing where none reaches it. Visibility is the
+  // caller's.
   int samples(LightPick pick) const;
   std::optional<LightSample> sample(const Receiver& receiver, LightPick pick, int i, RandomStream& random) const;
   // Density (1/sr) of those samples, over all of them, in the direction of this hit on an emissive triangle; 0 for

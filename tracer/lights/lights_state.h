@@ -45,7 +45,7 @@ struct Lights::State {
   std::vector<int> instance_index;               // [instance] -> emitters, of whole instances, else no_index
   std::optional<EnvironmentLight> environment;
   Emission everywhere;  // without a target; its picks are sample()'s, too
-  LightChoice choice;    // sample()'s for a receiver
+  LightChoice choice;   // sample()'s for a receiver
   Rgb total_power{0, 0, 0};
 
   const Picks& picks() const { return everywhere.state_->picks; }
