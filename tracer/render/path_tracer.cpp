@@ -1,6 +1,7 @@
 #include "tracer/render/path_tracer.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "tracer/render/crossings.h"
 
@@ -57,10 +58,10 @@ Rgb scattered(const LitScene& lit, SeenSurfaces& seen, const V3f& first_wo, cons
     const Rgb before = throughput;
     throughput *= seen.weights[chosen] / shares[chosen];
 
-    // Of the surfaces that the eye sees, where most noise comes from, all are lit, and by each light; further on only
-    // the one that the path goes on from, by one.
+    // Of the surfaces that the eye sees all are lit, further on only the one that the path goes on from. Most noise is
+    // that of the first two: they are lit by each light, others by one.
     const bool eye = bounce == 1;
-    DirectSampling sampling(params.strategy, eye ? LightPick::each : LightPick::one);
+    DirectSampling sampling(params.strategy, bounce <= even_scatterings ? LightPick::each : LightPick::one);
     const bool counts = !eye || !params.indirect_only;
     // The last ray of a path only looks for light, of which there may be none to run into.
     const bool goes_on = bounce < params.max_bounces || (counts && lit.lights.has_extended());
@@ -85,7 +86,8 @@ Rgb scattered(const LitScene& lit, SeenSurfaces& seen, const V3f& first_wo, cons
     if (!s) break;
     throughput *= s->throughput;
     if (bounce >= roulette_after) {
-      const float survival = std::min(most_survival, max_component(throughput));
+      // Of weight T, sqrt(T) go on at sqrt(T): to let T go on at 1 saves little time for much noise.
+      const float survival = std::min(most_survival, std::sqrt(max_component(throughput)));
       if (!(random.next() < survival)) break;
       throughput /= survival;
     } else if (is_black(throughput)) {
