@@ -35,6 +35,20 @@ struct Hit {
   V3f ng;                   // world geometric normal of the front side, unit
 };
 
+// What a ray meets where surfaces of part coverage (BLEND, transmission) are taken as they are, not at random.
+struct CoveredHit {
+  Hit hit;
+  float coverage = 0;  // above 0, below 1
+};
+struct Passage {
+  static constexpr std::size_t most = 8;
+  std::array<CoveredHit, most> crossed;  // the first `count` of them, nearest first
+  std::size_t count = 0;
+  // The first surface behind those: a whole one or, where more than `most` are crossed, what closest() finds behind
+  // them. None where there is none.
+  std::optional<Hit> end;
+};
+
 struct IntersectorParams {
   // The same hits on every CPU, to the last bit, by triangles of ivory's own in Embree's hierarchy. Embree's own differ
   // in their last bits, and at edges in which triangle is hit, with the vector instructions that it finds.
@@ -60,6 +74,10 @@ class Intersector {
   // First surface along the ray between t_min and t_max; none where there is none. BLEND surfaces are there with
   // probability alpha, as ray.coverage_seed decides.
   std::optional<Hit> closest(const Ray& ray) const;
+
+  // All surfaces along the ray up to the first whole one; those of part coverage with it, so that nothing is left to
+  // chance unless they are many. Where two triangles meet in an edge that the ray goes through, they are one surface.
+  Passage pass(const Ray& ray) const;
 
   // Fraction of light that passes along the ray between t_min and t_max: 0 or 1 but for BLEND
   // surfaces, which let 1 - alpha pass.

@@ -51,13 +51,18 @@ inline std::uint32_t hash(std::uint32_t x) {
 inline std::array<std::uint32_t, 2> sobol_point(std::uint32_t index, std::uint32_t seed) {
   using namespace low_discrepancy;
   const std::uint32_t shuffled = scramble(index, hash(seed));
-  // The second dimension's direction numbers are those of x + 1: v_k = v_(k-1) ^ (v_(k-1) >> 1).
-  std::uint32_t second = 0;
-  for (std::uint32_t bits = shuffled, v = 1U << 31U; bits != 0; bits >>= 1U, v ^= v >> 1U) {
-    if ((bits & 1U) != 0) second ^= v;
-  }
-  // The first dimension is the reversed index, and its scramble reverses it back.
-  return {reverse_bits(permute(shuffled, hash(seed ^ 0xa511e9b3U))), scramble(second, hash(seed ^ 0x63d83595U))};
+  // The second dimension's direction numbers are those of x + 1, v_k = v_(k-1) ^ (v_(k-1) >> 1): row k of Pascal's
+  // triangle modulo 2. C(k, i) is odd where i's bits are among k's, so that digit i is the sum over all k that hold it:
+  // one step for each of a place's five bits.
+  std::uint32_t digits = shuffled;
+  digits ^= (digits >> 1U) & 0x55555555U;
+  digits ^= (digits >> 2U) & 0x33333333U;
+  digits ^= (digits >> 4U) & 0x0f0f0f0fU;
+  digits ^= (digits >> 8U) & 0x00ff00ffU;
+  digits ^= (digits >> 16U) & 0x0000ffffU;
+  // Both dimensions are reversed numbers, and their scrambles reverse them back.
+  return {reverse_bits(permute(shuffled, hash(seed ^ 0xa511e9b3U))),
+          reverse_bits(permute(digits, hash(seed ^ 0x63d83595U)))};
 }
 
 }  // namespace ivory

@@ -42,6 +42,13 @@ class RandomStream {
     point_key_ = key;
     low_discrepancy_calls_ = calls;
   }
+  // Begins part `part` of the sample: the next `calls` calls have sequences of its own, however many calls the parts
+  // before it made. Independent numbers where no sample was begun.
+  void begin_part(std::uint32_t part, std::uint32_t calls) {
+    point_ = sample_;
+    point_key_ = key_ ^ low_discrepancy::hash(part + 1);
+    low_discrepancy_calls_ = in_sample_ ? calls : 0;
+  }
   // Begins branch i of the n that the sample splits into: all branches of all samples are then numbered
   // through, and share sequences of their own. Independent numbers where no sample was begun. After the
   // last branch end_branches() takes the sample up where branch 0 left it.
@@ -66,12 +73,14 @@ class RandomStream {
   // Uniform in [0, 1), 24 bits.
   float next() { return to_float(next_u32()); }
   V2f next2() {
-    if (low_discrepancy_calls_ != 0) {
-      const std::array<std::uint32_t, 2> point = next_point();
-      return {to_float(point[0]), to_float(point[1])};
-    }
-    const float u = next();
-    return {u, next()};
+    const std::array<std::uint32_t, 2> point = next_pair();
+    return {to_float(point[0]), to_float(point[1])};
+  }
+  // The same, 32 bits each.
+  std::array<std::uint32_t, 2> next_pair() {
+    if (low_discrepancy_calls_ != 0) return next_point();
+    const std::uint32_t u = next_u32();
+    return {u, next_u32()};
   }
 
  private:

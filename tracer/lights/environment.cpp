@@ -63,13 +63,24 @@ EnvironmentLight make_environment_light(const EnvironmentMap& map) {
   light.map = &map;
   std::vector<double> weights(map.radiance.size());
   double integral[3] = {0, 0, 0};
+  light.before_row.push_back(0);
+  light.before_texel.reserve(weights.size());
   for (int row = 0; row < map.height; ++row) {
     const double solid_angle = texel_solid_angle(map, row);
+    double in_row = 0;
     for (int column = 0; column < map.width; ++column) {
       const std::size_t i = std::size_t(row) * std::size_t(map.width) + std::size_t(column);
       const Rgb& radiance = map.radiance[i];
       weights[i] = double(luminance(radiance)) * solid_angle;
+      in_row += weights[i];
       for (int c = 0; c < 3; ++c) integral[c] += double(radiance[c]) * solid_angle;
+    }
+    light.before_row.push_back(light.before_row.back() + in_row);
+    double before = 0;
+    for (int column = 0; column < map.width; ++column) {
+      const double share = in_row > 0 ? before / in_row : 0;
+      light.before_texel.push_back(std::uint32_t(std::min(share * 0x1p32, 0x1p32 - 1)));
+      before += weights[std::size_t(row) * std::size_t(map.width) + std::size_t(column)];
     }
   }
   light.texels = AliasTable(weights);
@@ -119,13 +130,34 @@ EmittedPhoton emit(const EnvironmentLight& light, const EntryDiscs& discs, Rando
   return {entry.origin, -w, power};
 }
 
-std::optional<LightSample> sample(const EnvironmentLight& light, RandomStream& random) {
-  const V3f w = sample_direction(light, random);
+namespace {
+
+std::optional<LightSample> sample_at(const EnvironmentLight& light, const V3f& w) {
   // Asked again for the direction as rounded: at a texel's edge it may belong to the neighbour, and
   // evaluation and pdf must then agree about that.
   const float pdf = pdf_solid_angle(light, w);
   if (!(pdf > 0)) return std::nullopt;
   return LightSample{w, std::numeric_limits<float>::infinity(), eval(*light.map, w) / pdf, pdf, false};
+}
+
+}  // namespace
+
+std::optional<LightSample> sample(const EnvironmentLight& light, RandomStream& random) {
+  return sample_at(light, sample_direction(light, random));
+}
+
+std::optional<LightSample> sample(const EnvironmentLight& light, const Imath::V2d& u) {
+  if (light.texels.empty()) return std::nullopt;
+  const Inverse row = invert(light.before_row, u.x);
+  const std::size_t width = std::size_t(light.map->width);
+  const std::span<const std::uint32_t> before = std::span(light.before_texel).subspan(row.index * width, width);
+  const double at = u.y * 0x1p32;
+  const auto next = std::upper_bound(before.begin() + 1, before.end(), at,
+                                     [](double value, std::uint32_t entry) { return value < double(entry); });
+  const double left = double(*(next - 1));
+  const double right = next == before.end() ? 0x1p32 : double(*next);
+  const double rest = std::clamp((at - left) / (right - left), 0.0, 1.0);
+  return sample_at(light, direction_in(*light.map, int(row.index), int(next - 1 - before.begin()), row.rest, rest));
 }
 
 float pdf_solid_angle(const EnvironmentLight& light, const V3f& w) {

@@ -11,6 +11,10 @@ namespace ivory {
 struct EnvironmentLight {
   const EnvironmentMap* map = nullptr;
   AliasTable texels;
+  // The same by inversion, which keeps neighbours together: light before each row and in all, and in each row the share
+  // before each texel, times 2^32.
+  std::vector<double> before_row;
+  std::vector<std::uint32_t> before_texel;
   double luminance_integral = 0;   // of luminance over the sphere of directions, nits sr
   Rgb radiance_integral{0, 0, 0};  // the same per channel
 };
@@ -25,6 +29,8 @@ Rgb power_lm(const EnvironmentLight& light, float entry_area_m2);
 EmittedPhoton emit(const EnvironmentLight& light, const EntryDiscs& discs, RandomStream& random);
 // A direction in proportion to luminance; nothing where the map is black.
 std::optional<LightSample> sample(const EnvironmentLight& light, RandomStream& random);
+// The same by u in [0, 1): u.x goes over the rows of texels, u.y over those of a row.
+std::optional<LightSample> sample(const EnvironmentLight& light, const Imath::V2d& u);
 
 // Directions of that density as a map from the square that keeps neighbours together: u.x goes over the rows of texels,
 // u.y over those of a row.

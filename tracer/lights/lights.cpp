@@ -67,11 +67,13 @@ void Lights::State::add_emitters() {
     return uses[mesh] > 1 && uses[mesh] * scene->meshes[mesh].triangles.size() > most_triangles_a_mesh;
   };
   // What stands in tables, with the weights that these are made of.
+  const double tree = LightTree::bytes(1);
   double bytes = double(scene->instances.size()) * (sizeof(std::vector<int>) + sizeof(int));
   for (std::size_t m = 0; m < emissions.size(); ++m) {
     if (!emissions[m]) continue;
     const auto count = double(scene->meshes[m].triangles.size());
-    bytes += whole(m) ? count * 120 + double(uses[m]) * 80 : count * double(uses[m]) * (sizeof(TriangleLight) + 90);
+    bytes += whole(m) ? count * 120 + double(uses[m]) * (80 + tree)
+                      : count * double(uses[m]) * (sizeof(TriangleLight) + 90 + tree);
   }
   check_memory(scene->name, bytes, "place fewer emissive triangles");
 
@@ -129,6 +131,7 @@ Lights::Lights(const Intersector& intersector) : state_(std::make_unique<State>(
   if (state.environment) add(power_lm(*state.environment, area), "the environment");
   state.total_power = Rgb(float(total[0]), float(total[1]), float(total[2]));
   state.everywhere = emission(std::nullopt);
+  state.choice = state.make_choice();
 }
 
 Lights::Emission Lights::emission(const std::optional<EmissionTarget>& target) const {
@@ -265,24 +268,25 @@ std::optional<LightSample> Lights::sample(const V3f& p, RandomStream& random) co
   return s;
 }
 
-float Lights::pdf_solid_angle(const V3f& p, const Hit& hit) const {
+// Of the point of a hit on an emissive triangle once its light is picked, 1/sr.
+float Lights::pdf_of_point(const V3f& p, const Hit& hit) const {
   const State& state = *state_;
   const int whole = state.instance_index[std::size_t(hit.instance)];
-  if (whole != no_index) {
-    const InstancedEmitter& emitter = state.instanced_of(hit.instance);
-    const int entry = emitter.entry[std::size_t(hit.triangle)];
-    if (entry == no_index) return 0;
-    const TriangleLight light = make_triangle_light(*state.scene, *emitter.emission, hit.instance, hit.triangle);
-    return state.picks().probability[state.punctual_count() + std::size_t(whole)] *
-           emitter.probability[std::size_t(entry)] * ivory::pdf_solid_angle(*state.scene, light, p, hit.barycentric);
+  if (whole == no_index) {
+    const int emitter = state.triangle_index[std::size_t(hit.instance)][std::size_t(hit.triangle)];
+    const TriangleLight& light = state.triangles[std::size_t(state.emitters[std::size_t(emitter)].light)];
+    return ivory::pdf_solid_angle(*state.scene, light, p, hit.barycentric);
   }
-  const auto& index = state.triangle_index[std::size_t(hit.instance)];
-  if (index.empty()) return 0;
-  const int emitter = index[std::size_t(hit.triangle)];
-  if (emitter == no_index) return 0;
-  const TriangleLight& light = state.triangles[std::size_t(state.emitters[std::size_t(emitter)].light)];
-  return state.picks().probability[state.punctual_count() + std::size_t(emitter)] *
-         ivory::pdf_solid_angle(*state.scene, light, p, hit.barycentric);
+  const InstancedEmitter& emitter = state.instanced_of(hit.instance);
+  const int entry = emitter.entry[std::size_t(hit.triangle)];
+  if (entry == no_index) return 0;
+  const TriangleLight light = make_triangle_light(*state.scene, *emitter.emission, hit.instance, hit.triangle);
+  return emitter.probability[std::size_t(entry)] * ivory::pdf_solid_angle(*state.scene, light, p, hit.barycentric);
+}
+
+float Lights::pdf_solid_angle(const V3f& p, const Hit& hit) const {
+  const std::optional<std::uint32_t> light = state_->light_at(hit);
+  return light ? state_->picks().probability[*light] * pdf_of_point(p, hit) : 0.0F;
 }
 
 float Lights::environment_pdf_solid_angle(const V3f& w) const {

@@ -1,5 +1,5 @@
 // All that shines in a scene, under one interface: punctual lights, emissive triangles, the environment. Which of them
-// is sampled is decided half by power and half evenly.
+// sends a photon is decided half by power and half evenly; which is sampled for a surface, by what it may give there.
 #pragma once
 
 #include <memory>
@@ -8,6 +8,7 @@
 
 #include "tracer/core/intersector.h"
 #include "tracer/core/sampler.h"
+#include "tracer/lights/choice/choice.h"
 #include "tracer/lights/entry_discs.h"
 #include "tracer/lights/guide.h"
 
@@ -107,6 +108,18 @@ class Lights {
   // (behind an emitter's dark side, outside a spot's cone). Visibility is the caller's.
   std::optional<LightSample> sample(const V3f& p, RandomStream& random) const;
 
+  // For the receiver, `samples(pick)` samples from different lights, whose sum is the estimate; sample i (below that)
+  // of them, whose weight and density are those of that light alone. One among several lights is chosen by about what
+  // it gives the receiver unshadowed, and a little by chance; nothing where none reaches it. Visibility is the
+  // caller's.
+  int samples(LightPick pick) const;
+  std::optional<LightSample> sample(const Receiver& receiver, LightPick pick, int i, RandomStream& random) const;
+  // Density (1/sr) of those samples, over all of them, in the direction of this hit on an emissive triangle; 0 for
+  // triangles that do not emit.
+  float pdf_solid_angle(const Receiver& receiver, const Hit& hit, LightPick pick) const;
+  // The same for the environment in direction w.
+  float environment_pdf_solid_angle(const Receiver& receiver, const V3f& w, LightPick pick) const;
+
   // Points of the emissive surfaces that stand for all of them, `count` or, where some shine with nothing, fewer; in
   // proportion to power within an instance, half by power and half evenly among instances, spread evenly.
   std::vector<EmitterPoint> emitter_points(std::size_t count, std::uint64_t seed) const;
@@ -119,6 +132,7 @@ class Lights {
   Rgb environment_radiance(const V3f& w) const;
 
  private:
+  float pdf_of_point(const V3f& p, const Hit& hit) const;
   EmittedPhoton emit_guided(const Emission& emission, RandomStream& random) const;
 
   struct State;

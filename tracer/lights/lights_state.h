@@ -45,6 +45,7 @@ struct Lights::State {
   std::vector<int> instance_index;               // [instance] -> emitters, of whole instances, else no_index
   std::optional<EnvironmentLight> environment;
   Emission everywhere;  // without a target; its picks are sample()'s, too
+  LightChoice choice;   // sample()'s for a receiver
   Rgb total_power{0, 0, 0};
 
   const Picks& picks() const { return everywhere.state_->picks; }
@@ -61,6 +62,9 @@ struct Lights::State {
   }
 
   void add_emitters();
+  LightChoice make_choice() const;
+  // The light of a hit on an emissive triangle, among all; nothing for others.
+  std::optional<std::uint32_t> light_at(const Hit& hit) const;
 };
 
 }  // namespace ivory

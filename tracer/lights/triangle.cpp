@@ -83,10 +83,8 @@ float area_to_solid_angle(const TriangleLight& light, const V3f& w, float r2) {
   return facing > 0 ? r2 / (light.area_m2 * facing) : 0.0F;
 }
 
-}  // namespace
-
-std::optional<LightSample> sample(const Scene& scene, const TriangleLight& light, const V3f& p, RandomStream& random) {
-  const EmissionPoint chosen = sample_point(scene, *light.emission, light.triangle, random);
+std::optional<LightSample> sample_at(const Scene& scene, const TriangleLight& light, const V3f& p,
+                                     const EmissionPoint& chosen) {
   const V2f& b = chosen.barycentric;
   const V3f point = light.vertex + light.edge1 * b.x + light.edge2 * b.y;
   const V3f d = point - p;
@@ -99,6 +97,17 @@ std::optional<LightSample> sample(const Scene& scene, const TriangleLight& light
   const Rgb radiance = covered_emission_at(scene, light.emission->mesh, light.triangle, b);
   if (is_black(radiance)) return std::nullopt;
   return LightSample{w, r, radiance / pdf, pdf, false, point, light.ng, light.reach_m};
+}
+
+}  // namespace
+
+std::optional<LightSample> sample(const Scene& scene, const TriangleLight& light, const V3f& p, RandomStream& random) {
+  return sample_at(scene, light, p, sample_point(scene, *light.emission, light.triangle, random));
+}
+
+std::optional<LightSample> sample(const Scene& scene, const TriangleLight& light, const V3f& p, const Imath::V2d& u,
+                                  RandomStream& random) {
+  return sample_at(scene, light, p, sample_point(scene, *light.emission, light.triangle, u, random));
 }
 
 float pdf_solid_angle(const Scene& scene, const TriangleLight& light, const V3f& p, const V2f& b) {

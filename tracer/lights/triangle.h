@@ -39,6 +39,10 @@ EmittedPhoton emit(const Scene& scene, const TriangleLight& light, const Imath::
 // Such a point of the triangle as seen from p; nothing from a side that does not emit.
 std::optional<LightSample> sample(const Scene& scene, const TriangleLight& light, const V3f& p, RandomStream& random);
 
+// The same by two random numbers in [0, 1) that are given, which keeps neighbours together.
+std::optional<LightSample> sample(const Scene& scene, const TriangleLight& light, const V3f& p, const Imath::V2d& u,
+                                  RandomStream& random);
+
 // pdf (1/sr) of that for the point at a barycentric; 0 from a side that does not emit.
 float pdf_solid_angle(const Scene& scene, const TriangleLight& light, const V3f& p, const V2f& barycentric);
 

@@ -15,14 +15,30 @@ enum class DirectStrategy {
   bsdf,   // only by rays that run into light
 };
 
-// Radiance in nits that `surface` scatters towards wo from one sampled light, visibility included.
-Rgb sample_direct(const LitScene& lit, const Surface& surface, const Bsdf& bsdf, const V3f& wo, DirectStrategy strategy,
-                  RandomStream& random);
+struct DirectSampling {
+  DirectSampling(DirectStrategy by, LightPick lights = LightPick::one, float share = 1)
+      : strategy(by), pick(lights), bsdf_share(share) {}
 
-// Weights (0 to 1) of light that a ray sampled by the BSDF ran into, the complement of sample_direct(): of an emissive
-// surface at `hit`, of the environment along unit w. `p` is where the ray was sampled, pdf_bsdf the density of its
-// direction (1/sr).
-float emission_weight(const Lights& lights, const V3f& p, const Hit& hit, float pdf_bsdf, DirectStrategy strategy);
-float environment_weight(const Lights& lights, const V3f& w, float pdf_bsdf, DirectStrategy strategy);
+  DirectStrategy strategy;
+  LightPick pick;
+  // Of how many of the surfaces, in the mean, the caller sends on a ray by the BSDF, whose light it divides by that: 0
+  // (of none) to 1 (of each).
+  float bsdf_share;
+};
+
+// Where a surface asks for light.
+inline Receiver receiver_at(const Surface& surface) { return {surface.p, surface.ns}; }
+
+// Radiance in nits that `surface` scatters towards wo from sampled lights, visibility included.
+Rgb sample_direct(const LitScene& lit, const Surface& surface, const Bsdf& bsdf, const V3f& wo,
+                  const DirectSampling& sampling, RandomStream& random);
+
+// Weights (0 to 1) of light that a ray sampled by the BSDF ran into, the complement of sample_direct() of the same
+// sampling: of an emissive surface at `hit`, of the environment along unit w. `from` is where the ray was sampled,
+// pdf_bsdf the density of its direction (1/sr).
+float emission_weight(const Lights& lights, const Receiver& from, const Hit& hit, float pdf_bsdf,
+                      const DirectSampling& sampling);
+float environment_weight(const Lights& lights, const Receiver& from, const V3f& w, float pdf_bsdf,
+                         const DirectSampling& sampling);
 
 }  // namespace ivory

@@ -87,16 +87,16 @@ struct Gatherer {
       if (!hit) {
         if (looks_for_light) {
           radiance += throughput * s->throughput * lit.lights.environment_radiance(s->wi) *
-                      environment_weight(lit.lights, s->wi, s->pdf_solid_angle, params.strategy);
+                      environment_weight(lit.lights, receiver_at(surface), s->wi, s->pdf_solid_angle, params.strategy);
         }
         break;
       }
-      const V3f p = surface.p;
+      const Receiver from = receiver_at(surface);
       surface = make_surface(*lit.scene, ray, *hit);
       wo = -s->wi;
       if (looks_for_light && !is_black(surface.emission)) {
         radiance += throughput * s->throughput * surface.emission *
-                    emission_weight(lit.lights, p, *hit, s->pdf_solid_angle, params.strategy);
+                    emission_weight(lit.lights, from, *hit, s->pdf_solid_angle, params.strategy);
       }
       if (is_black(specular)) break;
       throughput = specular;

@@ -153,5 +153,84 @@ TEST(Panes, AreThereOrNotByHalfTheirCoverage) {
   }
 }
 
+// All panes up to the wall behind them, nearest first, once each on inner edges, too; what closest() finds is one of
+// them or the wall.
+TEST(Panes, PassTellsAllInOrder) {
+  Scene scene = panes_of_many_kinds();
+  const int wall = add_lambert(scene, Rgb(0.5F));
+  add_mesh(scene, make_quad({-5, -5, -5.5F}, {200, 0, 0}, {0, 10, 0}, wall));
+  for (const bool portable : {false, true}) {
+    const Intersector intersector(scene, {portable});
+    RandomStream random(1, StreamPurpose::test, 2);
+    for (int column = 0; column < 5; ++column) {
+      for (const V2f& at : {V2f(0.3F, 0.2F), V2f(0.25F, 0.25F), V2f(0, 0)}) {
+        Ray ray{.origin = V3f(float(10 * column) + at.x, at.y, 0.5F), .direction = {0, 0, -1}};
+        const Passage passage = intersector.pass(ray);
+        ASSERT_EQ(passage.count, 6U) << column << " " << at;
+        for (std::size_t i = 0; i < 6; ++i) {
+          EXPECT_NEAR(passage.crossed[i].hit.t, float(i) + 0.5F, 1e-5F);
+          EXPECT_EQ(passage.crossed[i].coverage, 0.5F);
+          EXPECT_NEAR(std::abs(passage.crossed[i].hit.ng.z), 1, 1e-6F);
+        }
+        ASSERT_TRUE(passage.end);
+        EXPECT_NEAR(passage.end->t, 6, 1e-5F);
+        ray.coverage_seed = random.next_u32();
+        const std::optional<Hit> met = intersector.closest(ray);
+        const float before = met->t - 0.5F;
+        EXPECT_NEAR(before, before < 5.3F ? std::round(before) : 5.5F, 1e-5F);
+        // Ends before the wall, and between panes.
+        ray.t_max = 3;
+        EXPECT_EQ(intersector.pass(ray).count, 3U);
+        EXPECT_FALSE(intersector.pass(ray).end);
+      }
+    }
+  }
+}
+
+// Beyond the eighth pane one is met at random: of twelve panes of 1/2, the ninth half of the time, none behind it
+// 1/16. The first eight are no longer there for it, wherever the tree finds them.
+TEST(Panes, PassMeetsThoseBeyondTheEighthAtRandom) {
+  Scene scene;
+  const int glass = add_lambert(scene, Rgb(0.5F), Rgb(0, 0, 0), true);
+  scene.materials[std::size_t(glass)].alpha_mode = AlphaMode::blend;
+  scene.materials[std::size_t(glass)].alpha = 0.5F;
+  for (const int pane : {7, 2, 9, 0, 11, 4, 1, 10, 3, 8, 5, 6})
+    add_mesh(scene, make_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, glass), place(0, pane));
+  for (const bool portable : {false, true}) {
+    const Intersector intersector(scene, {portable});
+    RandomStream random(1, StreamPurpose::test, 3);
+    std::vector<Accumulator> met(4);
+    Accumulator none;
+    for (int i = 0; i < 8000; ++i) {
+      const Ray ray{.origin = V3f(0.3F, 0.2F, 0.5F), .direction = {0, 0, -1}, .coverage_seed = random.next_u32()};
+      const Passage passage = intersector.pass(ray);
+      ASSERT_EQ(passage.count, 8U);
+      for (std::size_t k = 0; k < 8; ++k) ASSERT_NEAR(passage.crossed[k].hit.t, float(k) + 0.5F, 1e-5F);
+      for (std::size_t k = 0; k < 4; ++k)
+        met[k].add(passage.end && std::abs(passage.end->t - float(k) - 8.5F) < 0.1F ? 1 : 0);
+      none.add(passage.end ? 0 : 1);
+    }
+    for (std::size_t k = 0; k < 4; ++k) EXPECT_LT(std::abs(z_score(met[k], std::pow(0.5, double(k) + 1))), z_limit);
+    EXPECT_LT(std::abs(z_score(none, 1.0 / 16)), z_limit);
+  }
+}
+
+// Back faces that the eye does not see are not crossed either.
+TEST(Panes, PassLeavesOutCulledBackFaces) {
+  Scene scene;
+  const int glass = add_lambert(scene, Rgb(0.5F));
+  scene.materials[std::size_t(glass)].alpha_mode = AlphaMode::blend;
+  scene.materials[std::size_t(glass)].alpha = 0.5F;
+  add_mesh(scene, make_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, glass));   // looks to +z
+  add_mesh(scene, make_quad({-1, -1, -1}, {0, 2, 0}, {2, 0, 0}, glass));  // looks to -z
+  const Intersector intersector(scene);
+  Ray ray{.origin = {0.3F, 0.2F, 1}, .direction = {0, 0, -1}};
+  EXPECT_EQ(intersector.pass(ray).count, 2U);
+  ray.cull_back_faces = true;
+  const Passage passage = intersector.pass(ray);
+  ASSERT_EQ(passage.count, 1U);
+  EXPECT_NEAR(passage.crossed[0].hit.t, 1, 1e-5F);
+}
+
 }  // namespace
 }  // namespace ivory

@@ -52,6 +52,7 @@ V3d estimate(const LitScene& lit, const V3f& p, const V3f& n, int paths, std::ui
   RandomStream random(seed, StreamPurpose::probe, index);
   const std::uint32_t key = random.next_u32();
   const ShadingFrame frame = make_shading_frame(n);
+  const Receiver receiver{p, n};
   V3d sum(0, 0, 0);
   for (int k = 0; k < paths; ++k) {
     random.begin_sample(std::uint32_t(k), key, calls);
@@ -63,7 +64,8 @@ V3d estimate(const LitScene& lit, const V3f& p, const V3f& n, int paths, std::ui
     ray.origin = p;
     ray.direction = frame.to_world(V3f(s * std::cos(phi), s * std::sin(phi), cosine)).normalized();
     ray.coverage_seed = random.next_u32();
-    if (const std::optional<LightSample> light = lit.lights.sample(p, random); light && !light->delta) {
+    if (const std::optional<LightSample> light = lit.lights.sample(receiver, LightPick::one, 0, random);
+        light && !light->delta) {
       const float facing = n.dot(light->w);
       if (facing > 0) {
         Ray shadow{.origin = p, .direction = light->w};
@@ -85,11 +87,11 @@ V3d estimate(const LitScene& lit, const V3f& p, const V3f& n, int paths, std::ui
     if (hit) {
       const Surface surface = make_surface(*lit.scene, ray, *hit);
       if (!is_black(surface.emission))
-        radiance += surface.emission * emission_weight(lit.lights, p, *hit, pdf, DirectStrategy::mis);
+        radiance += surface.emission * emission_weight(lit.lights, receiver, *hit, pdf, DirectStrategy::mis);
       radiance += trace_scattered(lit, surface, -ray.direction, {}, random);
     } else {
       radiance = lit.lights.environment_radiance(ray.direction) *
-                 environment_weight(lit.lights, ray.direction, pdf, DirectStrategy::mis);
+                 environment_weight(lit.lights, receiver, ray.direction, pdf, DirectStrategy::mis);
     }
     sum += V3d(radiance) * double(pi);
   }

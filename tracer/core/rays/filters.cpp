@@ -59,7 +59,33 @@ std::optional<std::uint64_t> shared_key(const RTCFilterFunctionNArguments& args,
   return mix(sum);
 }
 
+// Direction and normal are both in the space that the geometry was built in, so their product has the world's sign.
+bool is_culled(const RTCFilterFunctionNArguments& args, const GeometryRecord& record) {
+  if (!record.single_sided) return false;
+  const V3f direction(RTCRayN_dir_x(args.ray, 1, 0), RTCRayN_dir_y(args.ray, 1, 0), RTCRayN_dir_z(args.ray, 1, 0));
+  const V3f ng(RTCHitN_Ng_x(args.hit, 1, 0), RTCHitN_Ng_y(args.hit, 1, 0), RTCHitN_Ng_z(args.hit, 1, 0));
+  return (direction.dot(ng) > 0) != record.mirrored_build;
+}
+
+bool comes_before(const PartHit& a, const PartHit& b) { return a.t != b.t ? a.t < b.t : a.key < b.key; }
+
 }  // namespace
+
+void PartHits::add(const PartHit& hit) {
+  const auto end = nearest.begin() + std::ptrdiff_t(count);
+  // Embree may ask twice about one surface.
+  if (std::any_of(nearest.begin(), end, [&](const PartHit& other) { return other.key == hit.key; })) return;
+  const auto at = std::find_if(nearest.begin(), end, [&](const PartHit& other) { return comes_before(hit, other); });
+  if (count == nearest.size()) {
+    are_all = false;
+    if (at == end) return;
+    std::move_backward(at, end - 1, end);
+  } else {
+    std::move_backward(at, end, end + 1);
+    ++count;
+  }
+  *at = hit;
+}
 
 // Instance and triangle fill 64 bits between them, and a bijection keeps apart what is apart.
 std::uint64_t triangle_key(std::uint32_t instance, std::uint32_t triangle) {
@@ -86,17 +112,27 @@ void filter_closest(const RTCFilterFunctionNArguments* args) {
   if (coverage >= 1) return;
   const std::uint64_t key =
       shared_key(*args, record, 0).value_or(triangle_key(instance_of(*args, 0), RTCHitN_primID(args->hit, 1, 0)));
+  if (context.part_hits != nullptr || context.behind != nullptr) {
+    PartHit met{RTCRayN_tfar(args->ray, 1, 0), key, {}, coverage};
+    if (context.part_hits != nullptr) {
+      args->valid[0] = 0;
+      const bool culled = context.embree.filter != nullptr && is_culled(*args, record);
+      if (culled || !(coverage > 0)) return;
+      met.hit = rtcGetHitFromHitN(args->hit, 1, 0);
+      context.part_hits->add(met);
+      return;
+    }
+    if (met.key == context.behind->key || comes_before(met, *context.behind)) {
+      args->valid[0] = 0;
+      return;
+    }
+  }
   if (!(coverage > coverage_threshold(context.coverage_seed, key))) args->valid[0] = 0;
 }
 
-// Direction and normal are both in the space that the geometry was built in, so their product has the world's sign.
 void filter_back_faces(const RTCFilterFunctionNArguments* args) {
   assert(args->N == 1);
-  const auto& record = *static_cast<const GeometryRecord*>(args->geometryUserPtr);
-  if (!record.single_sided) return;
-  const V3f direction(RTCRayN_dir_x(args->ray, 1, 0), RTCRayN_dir_y(args->ray, 1, 0), RTCRayN_dir_z(args->ray, 1, 0));
-  const V3f ng(RTCHitN_Ng_x(args->hit, 1, 0), RTCHitN_Ng_y(args->hit, 1, 0), RTCHitN_Ng_z(args->hit, 1, 0));
-  if ((direction.dot(ng) > 0) != record.mirrored_build) args->valid[0] = 0;
+  if (is_culled(*args, *static_cast<const GeometryRecord*>(args->geometryUserPtr))) args->valid[0] = 0;
 }
 
 void filter_occluded(const RTCFilterFunctionNArguments* args) {

@@ -25,6 +25,22 @@ struct GeometryRecord {
   float padding = 0;
 };
 
+// A surface of part coverage as Embree met it, and what tells it from all others.
+struct PartHit {
+  float t;
+  std::uint64_t key;
+  RTCHit hit;
+  float coverage;
+};
+// The nearest surfaces of part coverage that a ray met, in order of (t, key).
+struct PartHits {
+  std::array<PartHit, 8> nearest;
+  std::size_t count = 0;
+  bool are_all = true;
+
+  void add(const PartHit& hit);
+};
+
 // Embree hands this context to the filters, which decide what a ray meets.
 struct RayContext {
   RTCIntersectContext embree;  // must be first: the filters cast back to RayContext
@@ -33,8 +49,10 @@ struct RayContext {
   // The last edges between triangles that the ray passed through exactly: it meets both triangles, and one surface.
   std::array<std::uint64_t, 8> edges_passed{};
   std::size_t edges_count = 0;
-  float blocking_coverage = -1;  // visibility queries: coverage of at least this blocks whole
-  const Line* lines = nullptr;   // the rays in the world, each by its id, for portable triangles
+  float blocking_coverage = -1;     // visibility queries: coverage of at least this blocks whole
+  PartHits* part_hits = nullptr;    // closest hits alone: collects surfaces of part coverage, which the ray passes
+  const PartHit* behind = nullptr;  // surfaces of part coverage up to this one are not there
+  const Line* lines = nullptr;      // the rays in the world, each by its id, for portable triangles
 };
 
 // 64 bits that no two triangles of a scene share, however instances and triangles are numbered.
