@@ -246,7 +246,7 @@ void add_render_command(Command app, CommonOptions& common) {
   methods->push_back(make_path_method(command));
   const auto grid = add_grid_options(command, "Baked grid of indirect light");
   const auto gather = add_gather_option(command);
-  for (RenderMethod& method : make_grid_methods(grid, gather)) methods->push_back(std::move(method));
+  for (RenderMethod& method : make_grid_methods(command, grid, gather)) methods->push_back(std::move(method));
   methods->push_back(make_photonmap_method(command, gather));
   methods->push_back(make_cubemap_method(command, grid));
   methods->push_back(make_lobes_method(command));
