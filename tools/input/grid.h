@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,9 +22,6 @@ void check_lookup(const std::string& path, Basis basis, bool has_guard, const Lo
 struct GridInputOptions {
   std::string grid;
   LookupParams lookup{.guard = Guard::rays};
-  std::optional<Option> guard;  // is --guard given?
-
-  bool guard_given() const { return guard && guard->given(); }
 };
 
 // --grid and how it is read; `purpose` is what --grid is for.

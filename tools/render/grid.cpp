@@ -28,6 +28,9 @@ struct GatherOptions {
   Reuse cache = Reuse::on;
   int cache_rays = CacheParams{}.rays;
   float cache_error = CacheParams{}.error;
+  std::optional<Option> guard;
+
+  bool guard_given() const { return guard->given(); }
 };
 
 Rendered render_grid(const GatherOptions& options, bool gather, const RenderRequest& request) {
@@ -37,7 +40,7 @@ Rendered render_grid(const GatherOptions& options, bool gather, const RenderRequ
   params.indirect_only = request.indirect_only;
   const LitScene& lit = request.input.lit;
   LookupTally tally;
-  const bool in_doubt = gather && !options.grid->guard_given();
+  const bool in_doubt = gather && !options.guard_given();
   const GridLight light{&grid, options.grid->lookup, &tally, in_doubt};
   const IndirectLight indirect = indirect_light(lit, light);
   std::optional<FilledCache> filled;
@@ -84,7 +87,7 @@ RenderMethod make_method(const std::shared_ptr<GatherOptions>& options, bool gat
   method.describe = [options, gather](Metadata& m) {
     describe(*options->grid, m);
     if (!gather) return;
-    if (!options->grid->guard_given()) m["guard"] = std::string("planes, rays in doubt");
+    if (!options->guard_given()) m["guard"] = std::string("planes, rays in doubt");
     m["gather_rays"] = std::int64_t(*options->gather);
     m["cache"] = std::string(name_of(options->cache));
     if (options->cache == Reuse::off) return;
@@ -97,8 +100,8 @@ RenderMethod make_method(const std::shared_ptr<GatherOptions>& options, bool gat
 }  // namespace
 
 std::shared_ptr<int> add_gather_option(Command command) {
-  auto gather = std::make_shared<int>(16);
-  command.add_count("--gather", *gather, 0, "Rays a sample");
+  auto gather = std::make_shared<int>(1);
+  command.add_count("--gather", *gather, 0, "Rays a sample; of gather with --cache on, where no record serves");
   return gather;
 }
 
@@ -107,6 +110,7 @@ std::vector<RenderMethod> make_grid_methods(Command command, const std::shared_p
   auto options = std::make_shared<GatherOptions>();
   options->grid = grid;
   options->gather = gather;
+  options->guard = command.get_option("--guard");
   command.add_choice("--cache", options->cache,
                      "Gather at records that pixels share (irradiance cache), and by --gather rays only elsewhere");
   command.add_count("--cache-rays", options->cache_rays, 1, 1000000, "Rays a record");

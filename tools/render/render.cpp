@@ -267,7 +267,7 @@ void add_render_command(Command app, CommonOptions& common) {
       "sets, occluders, cube maps. Neither counts loading the scene and writing the picture.\n"
       "\nExamples:\n"
       "  ivory render room.glb -o room.exr -o room.png --samples 256\n"
-      "  ivory render room.glb -o room.png --method gather --grid room.vdb --samples 16 --gather 16");
+      "  ivory render room.glb -o room.png --method gather --grid room.vdb --samples 64");
   set_action(command, common, Output::file, [command, options, methods, &common] {
     note_ignored(command, *options, *methods, common);
     const auto chosen = std::find_if(methods->begin(), methods->end(),

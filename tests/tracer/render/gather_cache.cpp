@@ -31,8 +31,9 @@ Accumulator over_seeds(int count, int split, const Light& light, const Number& n
 
 TEST(GatherHemisphere, EvenLightHasNoDerivatives) {
   const V3f n = V3f(0.3F, 0.8F, -0.2F).normalized();
-  const HemisphereIrradiance found = irradiance_of(
-      gather(n, 2, [](const V3f&, RandomStream&) { return GatheredLight{{1, 2, 3}, 0.5F}; }));
+  const HemisphereIrradiance found = irradiance_of(gather(n, 2, [](const V3f&, RandomStream&) {
+    return GatheredLight{{1, 2, 3}, 0.5F};
+  }));
   for (int c = 0; c < 3; ++c) {
     const float e = pi * float(c + 1);
     EXPECT_NEAR(found.e[c], e, 1e-5F * e);
@@ -55,10 +56,10 @@ TEST(GatherHemisphere, GradientOfALinearField) {
   };
   const auto along_x = [](const HemisphereIrradiance& found) { return found.gradient[1].x; };
   const auto along_z = [](const HemisphereIrradiance& found) { return found.gradient[1].z; };
-  // What 15 sectors and 5 rings do to it was found as 3 %: twice that is let through.
-  EXPECT_NEAR(over_seeds(200, 4, ceiling, along_x).mean(), double(pi * k), 0.06 * double(pi * k));
-  EXPECT_LT(std::abs(z_score(over_seeds(200, 4, ceiling, along_z), 0)), z_limit);
-  const Accumulator e = over_seeds(200, 4, ceiling, [](const HemisphereIrradiance& found) { return found.e.y; });
+  // What 5 rings do to it was found as 8.5 %.
+  EXPECT_NEAR(over_seeds(100, 4, ceiling, along_x).mean(), double(pi * k), 0.12 * double(pi * k));
+  EXPECT_LT(std::abs(z_score(over_seeds(100, 4, ceiling, along_z), 0)), z_limit);
+  const Accumulator e = over_seeds(100, 4, ceiling, [](const HemisphereIrradiance& found) { return found.e.y; });
   EXPECT_LT(std::abs(z_score(e, double(pi * l0))), z_limit);
 }
 
@@ -74,7 +75,7 @@ struct Panel {
     return hit ? GatheredLight{{1, 1, 1}, 1 / t} : GatheredLight{};
   }
   double e(double x, double z) const {
-    constexpr int n = 400;
+    constexpr int n = 200;
     double sum = 0;
     for (int i = 0; i < n; ++i) {
       for (int j = 0; j < n; ++j) {
@@ -99,10 +100,10 @@ TEST(GatherHemisphere, DerivativesUnderAPanel) {
   const double e0 = panel.e(x, z);
   const double xx = (panel.e(x + d, z) - 2 * e0 + panel.e(x - d, z)) / (d * d);
   const double zz = (panel.e(x, z + d) - 2 * e0 + panel.e(x, z - d)) / (d * d);
-  const double xz = (panel.e(x + d, z + d) - panel.e(x + d, z - d) - panel.e(x - d, z + d) + panel.e(x - d, z - d)) /
-                    (4 * d * d);
+  const double xz =
+      (panel.e(x + d, z + d) - panel.e(x + d, z - d) - panel.e(x - d, z + d) + panel.e(x - d, z - d)) / (4 * d * d);
   const double bend = std::abs(xx + zz) / 2 + std::hypot((xx - zz) / 2, xz);
-  const auto mean = [&](auto number) { return over_seeds(100, 4, light, number).mean(); };
+  const auto mean = [&](auto number) { return over_seeds(60, 4, light, number).mean(); };
   EXPECT_NEAR(mean([](const HemisphereIrradiance& f) { return f.e.x; }), e0, 0.01 * e0);
   // Edges of the panel do not follow the cells': a tenth of the whole gradient.
   const double g = std::hypot(gx, gz);
@@ -155,7 +156,8 @@ Picture cached_picture(const LitScene& lit, const IndirectLight& indirect, const
   RenderParams render;
   render.samples = 16;
   render.threads = threads;
-  FilledCache filled = fill_cache(lit, indirect, view, gather, {.rays = rays, .samples = 64, .threads = threads});
+  FilledCache filled =
+      fill_cache(lit, indirect, view, gather, {.rays = rays, .samples = 1024, .threads = threads, .progress = {}});
   gather.cache = &filled.cache;
   Film film = render_gather(lit, indirect, view, render, gather);
   return {std::move(film), std::move(filled)};
@@ -216,7 +218,7 @@ TEST(GatherCache, AgreesWithPaths) {
   const View view = test_view(32, 24);
   const Picture cached = cached_picture(lit, indirect, view, 0, 300);
   RenderParams render;
-  render.samples = 1024;
+  render.samples = 256;
   const Film truth = render_path(lit, view, render, {.indirect_only = true});
   Accumulator mean;
   Accumulator differences;

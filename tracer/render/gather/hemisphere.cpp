@@ -5,20 +5,22 @@
 #include <cmath>
 #include <limits>
 
-// With radiance L_c constant over each cell c of the hemisphere, irradiance is a sum over the cells' edges (Stokes;
-// Lambert's formula for polygons):
+// With radiance L_c constant over each cell c of the hemisphere, moving by delta along the surface changes E by what
+// the cells' edges sweep over: an edge at direction w and distance d, whose normal to the left is nu, moves by -delta /
+// d,
 //
-//   E(x) = 1/2 sum_edges (L_left - L_right) f(x),   f(x) = n.(r x e) / |r|^2,   r = y - x
+//   grad E = sum_edges (L_left - L_right) cos theta nu dl / d                                         along the
+//   surface.
 //
-// for an edge from y - e/2 to y + e/2. Where light changes from one cell to the next, something ends or changes at the
-// nearer of the two surfaces: the edge stands in space at the smaller of their distances (Ward & Heckbert, "Irradiance
-// Gradients", 1992, eq. 9 to 12 move it as fast; Schwarzhaupt, Jensen & Jarosz, "Practical Hessian-Based Error Control
-// for Irradiance Caching", 2012, by triangles). So E can be derived twice by x, edge by edge. With r = d w, e = d w',
-// c = n.(w x w') and g = n x w', all along the surface:
+// Where light changes from one cell to the next, something ends at the nearer of two surfaces, or one surface changes:
+// the edge stands in space there (Ward & Heckbert, "Irradiance Gradients", 1992, eq. 9 to 12). From a fixed edge y -
+// e/2 to y + e/2, seen along r = y - x,  cos theta nu dl / d = (n.r) (r x e) / |r|^4, of which n.r does not change
+// along the surface; derived by x once more, its symmetric part is
 //
-//   grad f = (g + 2 c w) / d,     Hessian f = (2 (g w^T + w g^T) - 2 c I + 8 c w w^T) / d^2.
+//   Hessian E = sum_edges (L_left - L_right) 4 cos theta sym(nu dl w^T) / d^2
 //
-// The horizon is an edge, too, which no movement along the surface moves.
+// (Schwarzhaupt, Jensen & Jarosz, "Practical Hessian-Based Error Control for Irradiance Caching", 2012, do so by the
+// form factors of triangles). The horizon is an edge, too, which no movement along the surface moves.
 
 namespace ivory {
 
@@ -28,7 +30,8 @@ constexpr int channels = 3;
 
 struct CoarseCell {
   Rgb radiance{0, 0, 0};
-  float inverse_m = 0;
+  float inverse_m = 0;  // mean of the rays that meet something
+  int hits = 0;
 };
 using CoarseCells = std::array<std::array<CoarseCell, coarse_sectors>, coarse_rings>;
 
@@ -39,8 +42,12 @@ CoarseCells coarse_cells(const Hemisphere& h) {
     for (int k = 0; k < h.sectors(); ++k) {
       CoarseCell& cell = coarse[std::size_t(j / h.split)][std::size_t(k / h.split)];
       cell.radiance += h.at(j, k).radiance * share;
-      cell.inverse_m += h.at(j, k).inverse_m * share;
+      cell.inverse_m += h.at(j, k).inverse_m;
+      cell.hits += h.at(j, k).inverse_m > 0 ? 1 : 0;
     }
+  }
+  for (auto& ring : coarse) {
+    for (CoarseCell& cell : ring) cell.inverse_m /= float(std::max(1, cell.hits));
   }
   return coarse;
 }
@@ -49,19 +56,22 @@ struct Derivatives {
   V2f gradient[channels] = {V2f(0, 0), V2f(0, 0), V2f(0, 0)};
   float xx = 0, xy = 0, yy = 0;  // of luminance
 
-  // An edge whose middle and extent, both along the surface, are w and w'.
-  void add(const CoarseCell& left, const CoarseCell& right, const V2f& w, const V2f& along) {
-    const float inverse_m = std::max(left.inverse_m, right.inverse_m);
+  // An edge in the direction of tangential part w; `swept` is cos theta nu dl along the surface.
+  void add(const CoarseCell& left, const CoarseCell& right, const V2f& w, const V2f& swept) {
+    const float inverse_m = edge_inverse_m(left.inverse_m, right.inverse_m);
     if (inverse_m == 0) return;
-    const Rgb half = (left.radiance - right.radiance) * 0.5F;
-    const float c = w.x * along.y - w.y * along.x;
-    const V2f g(-along.y, along.x);
-    const V2f grad = (g + w * (2 * c)) * inverse_m;
-    for (int i = 0; i < channels; ++i) gradient[i] += grad * half[i];
-    const float weight = luminance(half) * inverse_m * inverse_m;
-    xx += weight * (4 * g.x * w.x - 2 * c + 8 * c * w.x * w.x);
-    yy += weight * (4 * g.y * w.y - 2 * c + 8 * c * w.y * w.y);
-    xy += weight * (2 * (g.x * w.y + w.x * g.y) + 8 * c * w.x * w.y);
+    const Rgb step = left.radiance - right.radiance;
+    for (int c = 0; c < channels; ++c) gradient[c] += swept * (step[c] * inverse_m);
+    const float weight = 4 * luminance(step) * inverse_m * inverse_m;
+    xx += weight * swept.x * w.x;
+    yy += weight * swept.y * w.y;
+    xy += weight * (swept.x * w.y + swept.y * w.x) / 2;
+  }
+
+  // Of one surface that goes on, in the middle; of two, the nearer one's.
+  static float edge_inverse_m(float a, float b) {
+    const float larger = std::max(a, b);
+    return std::min(a, b) > larger / 2 ? (a + b) / 2 : larger;
   }
 };
 
@@ -70,22 +80,23 @@ V2f azimuth(double turns) { return V2f(on_unit_circle(turns)); }
 
 Derivatives derive(const CoarseCells& cells) {
   Derivatives out;
+  const float width = 2 * azimuth(0.5 / coarse_sectors).y;  // integral of the azimuth's vector over a sector
   for (int k = 0; k < coarse_sectors; ++k) {
     const V2f middle = azimuth((k + 0.5) / coarse_sectors);
-    const V2f begin = azimuth(double(k) / coarse_sectors);
     const V2f end = azimuth(double(k + 1) / coarse_sectors);
     const int next = (k + 1) % coarse_sectors;
     for (int j = 0; j < coarse_rings; ++j) {
       const auto& here = cells[std::size_t(j)];
       const float inner = ring_sine(j, coarse_rings);
       const float outer = ring_sine(j + 1, coarse_rings);
-      // Between rings, towards larger azimuths: the inner cell lies to the left.
+      // Between rings, towards larger azimuths: the inner cell lies to the left, nu is -cos theta along the surface.
       if (j > 0) {
-        out.add(cells[std::size_t(j - 1)][std::size_t(k)], here[std::size_t(k)], middle * inner, (end - begin) * inner);
+        out.add(cells[std::size_t(j - 1)][std::size_t(k)], here[std::size_t(k)], middle * inner,
+                middle * (-(1 - inner * inner) * inner * width));
       }
-      // Between this sector and the next, outwards: the next lies to the left.
-      const float sine = std::sin((std::asin(inner) + std::asin(outer)) / 2);
-      out.add(here[std::size_t(next)], here[std::size_t(k)], end * sine, end * (outer - inner));
+      // Between this sector and the next, outwards: the next lies to the left, and cos theta dtheta is d sin theta.
+      out.add(here[std::size_t(next)], here[std::size_t(k)], end * ((inner + outer) / 2),
+              V2f(-end.y, end.x) * (outer - inner));
     }
   }
   return out;
