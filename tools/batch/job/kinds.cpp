@@ -56,7 +56,7 @@ std::vector<AssetKind> make_kinds() {
                     {"object", InputKind::object, {}}},
                    {"output"},
                    seen,
-                   1,
+                   2,
                    true,
                    false,
                    10});

@@ -10,7 +10,7 @@ namespace ivory {
 
 struct CacheParams {
   int rays = 300;       // a record, rounded to 75 times a square
-  float error = 0.02F;  // as RecordLimits: smaller makes more records
+  float error = 0.01F;  // as RecordLimits: smaller makes more records
   // Samples a pixel and gather rays a sample that the cache saves: records that cost more than a share of the rays that
   // they save are not made.
   int samples = 64;
