@@ -33,7 +33,7 @@ std::vector<AssetKind> make_kinds() {
                    30});
   kinds.push_back({"cubemap", {"bake", "cubemap"}, ".exr", {scene, env, grid}, {"output"}, lit, 1, true, true, 5});
   kinds.push_back(
-      {"lightmap", {"bake", "lightmap"}, ".exr", {scene, env, grid}, {"output"}, lit, 1, true, false, 20, {1}});
+      {"lightmap", {"bake", "lightmap"}, ".exr", {scene, env, grid}, {"output"}, lit, 2, true, false, 20, {1}});
   kinds.push_back({"fiv", {"bake", "fiv"}, ".exr", {mesh, env}, {"output"}, shape_only, 1, true, true, 8});
   kinds.push_back({"sh9", {"bake", "sh9"}, ".json", {environment}, {"output"}, lit, 1, true, true, 1});
   kinds.push_back({"difmap", {"bake", "difmap"}, ".exr", {environment}, {"output"}, lit, 1, true, true, 2});
