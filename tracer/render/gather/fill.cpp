@@ -20,7 +20,7 @@ constexpr std::size_t batch = 64;
 constexpr int coarsest_step = 32;  // pixels
 constexpr int tile = 16;           // pixels
 // Rays for records in a tile, as a share of those that its samples would gather.
-constexpr double share_of_rays = 0.25;
+constexpr double share_of_rays = 0.5;
 // Of pixels, the least and the most radius of a record.
 constexpr float least_pixels = 1.5F;
 constexpr float most_pixels = 80;
