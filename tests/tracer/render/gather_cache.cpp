@@ -144,6 +144,15 @@ TEST(IrradianceRecord, EndsAtAWallOnTheSurface) {
   EXPECT_EQ(weight(record, {-0.1F, 0.2F, 0}, n), 0);  // a step higher
 }
 
+// Something that shines touches the surface: the gradient there is no more than the record's radius bears.
+TEST(IrradianceRecord, ContactsDoNotShineAfar) {
+  const IrradianceRecord record = even_record([](const V3f& w, RandomStream&) {
+    return w.x > 0.5F ? GatheredLight{{1, 1, 1}, 1e6F} : GatheredLight{};
+  });
+  EXPECT_FLOAT_EQ(record.radius_m, 0.01F);
+  for (const float x : {-0.01F, 0.01F}) EXPECT_LT(irradiance(record, {x, 0, 0}, {0, 1, 0}).x, 2 * record.e.x);
+}
+
 struct Picture {
   Film film;
   FilledCache filled;

@@ -38,8 +38,13 @@ IrradianceRecord make_record(const V3f& p, const V3f& n, const Hemisphere& hemis
   const float scale = luminance(r.e) + limits.floor_lux;
   float radius = std::min(limits.most_radius_m, share_of_distance * found.harmonic_distance_m);
   if (found.bend > 0) radius = std::min(radius, std::sqrt(2 * limits.error * scale / found.bend));
-  if (const float slope = change.length(); slope > 0) radius = std::min(radius, most_change * scale / slope);
+  const float slope = change.length();
+  if (slope > 0) radius = std::min(radius, most_change * scale / slope);
   r.radius_m = std::max(radius, limits.least_radius_m);
+  // In contacts, where a record is larger than its gradient bears, the gradient gives way.
+  if (const float most = most_change * scale / r.radius_m; slope > most) {
+    for (V3f& gradient : r.gradient) gradient *= most / slope;
+  }
   for (int k = 0; k < coarse_sectors; ++k) {
     r.reach_inverse_m[k] =
         std::min(found.free_inverse_m[k] / share_of_free_way, 1 / std::max(limits.least_radius_m, 1e-30F));
