@@ -102,7 +102,8 @@ def scene_points(scene, suite):
         bake = scene.bake(vertices, photons)
         for rays in (4, 16, 64) if full else (4, 16):
             yield scene.point(f"grid, {vertices} vertices, behind gather rays", str(rays),
-                              scene.render("gather", GATHER_SAMPLES, "--gather", rays, "--grid", bake), bake)
+                              scene.render("gather", GATHER_SAMPLES, "--gather", rays, "--cache", "off", "--grid", bake),
+                              bake)
 
     # Where the photons' noise is the larger part of the error, and where the grid's own is.
     for vertices, photons in ((32, "2m"), (16, "8m")) if full else ((16, "400k"),):

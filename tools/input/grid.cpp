@@ -32,7 +32,9 @@ void check_lookup(const std::string& path, Basis basis, bool has_guard, const Lo
 std::shared_ptr<GridInputOptions> add_grid_options(Command command, const std::string& purpose) {
   auto options = std::make_shared<GridInputOptions>();
   command.add_option("--grid", options->grid, purpose).type_name("GRID.vdb");
-  add_lookup_options(command, options->lookup, "Leak guard of grid look-ups");
+  add_lookup_options(command, options->lookup,
+                     "Leak guard of grid look-ups; gather, unless it is given, reads by planes, and by rays "
+                     "where those\nleave a doubt");
   return options;
 }
 

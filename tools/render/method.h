@@ -53,7 +53,7 @@ struct RenderMethod {
 RenderMethod make_path_method(Command command);
 // --gather, the rays a sample: of the grid's `gather` and of the photon map.
 std::shared_ptr<int> add_gather_option(Command command);
-std::vector<RenderMethod> make_grid_methods(const std::shared_ptr<GridInputOptions>& grid,
+std::vector<RenderMethod> make_grid_methods(Command command, const std::shared_ptr<GridInputOptions>& grid,
                                             const std::shared_ptr<int>& gather);  // direct, gather
 RenderMethod make_photonmap_method(Command command, const std::shared_ptr<int>& gather);
 RenderMethod make_cubemap_method(Command command, const std::shared_ptr<GridInputOptions>& grid);

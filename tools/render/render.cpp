@@ -310,7 +310,7 @@ void add_render_command(Command app, CommonOptions& common) {
   methods->push_back(make_path_method(command));
   const auto grid = add_grid_options(command, "Baked grid of indirect light");
   const auto gather = add_gather_option(command);
-  for (RenderMethod& method : make_grid_methods(grid, gather)) methods->push_back(std::move(method));
+  for (RenderMethod& method : make_grid_methods(command, grid, gather)) methods->push_back(std::move(method));
   methods->push_back(make_photonmap_method(command, gather));
   methods->push_back(make_cubemap_method(command, grid));
   methods->push_back(make_lobes_method(command));
@@ -331,8 +331,9 @@ void add_render_command(Command app, CommonOptions& common) {
       "sets, occluders, cube maps. Neither counts loading the scene and writing the picture.\n"
       "\nExamples:\n"
       "  ivory render room.glb -o room.exr -o room.png --samples 256\n"
-      "  ivory render room.glb -o room.exr --target-error 2%\n"
-      "  ivory render room.glb -o room.png --method gather --grid room.vdb --samples 16 --gather 16");
+      "  ivory render room.glb -o room.exr --target-error 2%
+"
+      "  ivory render room.glb -o room.png --method gather --grid room.vdb --samples 64");
   set_action(command, common, Output::file, [command, options, methods, &common] {
     check(command, options->quality);
     check(options->finish, options->outputs);

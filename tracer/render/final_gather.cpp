@@ -41,17 +41,46 @@ struct Gatherer {
       const std::optional<BsdfSample> s = sample(bsdf, wo, 1, random.next2(), Lobes::diffuse);
       if (!s) continue;
       const Ray ray = spawn_ray(surface, s->wi, random.next_u32());
-      const std::optional<Hit> hit = lit.intersector.closest(ray);
-      if (!hit) continue;
-      const Surface y = make_surface(*lit.scene, ray, *hit);
-      sum += s->throughput * reflected(y, -s->wi, /*first=*/false, random);
+      sum += s->throughput * light_along(ray, params.near_bounces, random).radiance;
     }
     random.end_branches();
     return sum / float(params.gather_rays);
   }
 
-  // Radiance that the surface reflects towards wo; `first` for the first surface seen.
-  Rgb reflected(const Surface& first_surface, const V3f& first_wo, bool first, RandomStream& random) const {
+  // What the ray's hit reflects. Nearer to its origin than what is stored is spaced, stored light is not read there
+  // but gathered, by one ray: `near_bounces` hits in a row at most.
+  GatheredLight light_along(const Ray& ray, int near_bounces, RandomStream& random) const {
+    const std::optional<Hit> hit = lit.intersector.closest(ray);
+    if (!hit) return {};
+    const Surface y = make_surface(*lit.scene, ray, *hit);
+    const bool near = near_bounces > 0 && indirect.spacing_m && hit->t < indirect.spacing_m(y.p);
+    return {reflected(y, -ray.direction, /*first=*/false, random, near ? near_bounces : 0),
+            1 / std::max(hit->t, 1e-20F)};
+  }
+
+  // Indirect light that the diffuse lobe reflects, by one ray.
+  Rgb gone_on(const Surface& surface, const Bsdf& bsdf, const V3f& wo, int near_bounces, RandomStream& random) const {
+    const Rgb black(0, 0, 0);
+    if (is_black(bsdf.diffuse_albedo)) return black;
+    const std::optional<BsdfSample> s = sample(bsdf, wo, 1, random.next2(), Lobes::diffuse);
+    if (!s) return black;
+    const Ray ray = spawn_ray(surface, s->wi, random.next_u32());
+    return s->throughput * light_along(ray, near_bounces - 1, random).radiance;
+  }
+
+  // Indirect light that the diffuse lobe reflects at the first surface seen.
+  Rgb gathered_or_cached(const Surface& surface, const Bsdf& bsdf, const V3f& wo, RandomStream& random) const {
+    if (params.cache != nullptr) {
+      if (const std::optional<Rgb> e = params.cache->irradiance(surface))
+        return diffuse_reflectance(bsdf, wo) / pi * *e;
+    }
+    return gathered(surface, bsdf, wo, random);
+  }
+
+  // Radiance that the surface reflects towards wo; `first` for the first surface seen. With near_bounces above 0 it
+  // lies too near to something for stored light.
+  Rgb reflected(const Surface& first_surface, const V3f& first_wo, bool first, RandomStream& random,
+                int near_bounces = 0) const {
     Rgb radiance(0, 0, 0);
     Rgb throughput(1, 1, 1);
     Surface surface = first_surface;
@@ -61,8 +90,13 @@ struct Gatherer {
       const bool seen_first = first && bounce == 0;
       const bool counts_direct = !(seen_first && params.indirect_only);
       if (counts_direct) radiance += throughput * sample_direct(lit, surface, bsdf, wo, params.strategy, random);
-      radiance += throughput * (seen_first && params.gather_rays > 0 ? gathered(surface, bsdf, wo, random)
-                                                                     : from_store(surface, bsdf, wo));
+      if (seen_first && params.gather_rays > 0) {
+        radiance += throughput * gathered_or_cached(surface, bsdf, wo, random);
+      } else if (bounce == 0 && near_bounces > 0) {
+        radiance += throughput * gone_on(surface, bsdf, wo, near_bounces, random);
+      } else {
+        radiance += throughput * from_store(surface, bsdf, wo);
+      }
 
       const bool looks_for_light = counts_direct && lit.lights.has_extended();
       const bool reflects = !is_lambertian(bsdf);
@@ -108,11 +142,19 @@ struct Gatherer {
 }  // namespace
 
 IndirectLight indirect_light(const LitScene& lit, const GridLight& grid) {
-  return [&lit, &grid](const Surface& surface) {
-    const Footprint footprint = lookup_footprint(*grid.grid, &lit.intersector, surface.p, surface.ng, grid.lookup);
+  const auto read = [&lit, &grid](const Surface& surface) {
+    const Footprint footprint =
+        grid.rays_in_doubt
+            ? lookup_footprint_in_doubt_by_rays(*grid.grid, lit.intersector, surface.p, surface.ng, grid.lookup)
+            : lookup_footprint(*grid.grid, &lit.intersector, surface.p, surface.ng, grid.lookup);
     if (grid.tally != nullptr) grid.tally->add(footprint.count > 0, grid.grid->frame.covers(surface.p));
     return irradiance(*grid.grid, footprint, surface.ns, grid.lookup.reconstruction);
   };
+  const auto spacing_m = [&grid](const V3f& p) {
+    const V3f& h = grid.grid->frame_of(level_shares(*grid.grid, {.p = p}).level[0]).spacing_m;
+    return std::min({h.x, h.y, h.z});
+  };
+  return {read, spacing_m};
 }
 
 Rgb trace_gather(const LitScene& lit, const IndirectLight& indirect, const Ray& ray, const GatherParams& params,
@@ -135,6 +177,11 @@ Rgb gather_irradiance(const LitScene& lit, const IndirectLight& indirect, const 
                       const GatherParams& params, RandomStream& random) {
   const Gatherer gatherer{lit, indirect, params};
   return gatherer.reflected(white, white.ns, /*first=*/true, random) * pi;
+}
+
+GatheredLight gather_light(const LitScene& lit, const IndirectLight& indirect, const Ray& ray,
+                           const GatherParams& params, RandomStream& random) {
+  return Gatherer{lit, indirect, params}.light_along(ray, params.near_bounces, random);
 }
 
 Film render_gather(const LitScene& lit, const IndirectLight& indirect, const View& view, const RenderParams& render,

@@ -83,6 +83,19 @@ Footprint lookup_footprint(const IrradianceGrid& grid, const Intersector* inters
   });
 }
 
+Footprint lookup_footprint_in_doubt_by_rays(const IrradianceGrid& grid, const Intersector& intersector, const V3f& p,
+                                            const V3f& ng, LookupParams params) {
+  if (!grid.guard.empty()) {
+    params.guard = Guard::planes;
+    const Footprint footprint = lookup_footprint(grid, p, ng, params);
+    // A tricubic footprint is wide without having been asked for help.
+    const bool helped = footprint.wide && params.interpolation != Interpolation::tricubic;
+    if (footprint.count > 0 && !helped) return footprint;
+  }
+  params.guard = Guard::rays;
+  return lookup_footprint(grid, &intersector, p, ng, params);
+}
+
 Rgb lookup_irradiance(const IrradianceGrid& grid, const Intersector* intersector, const V3f& p, const V3f& ng,
                       const V3f& n, const LookupParams& params) {
   return irradiance(grid, lookup_footprint(grid, intersector, p, ng, params), n, params.reconstruction);

@@ -120,12 +120,33 @@ TEST(FinalGather, GatherAddsOneBounceToDirect) {
     for (const int rays : {0, 3}) {
       GatherParams params;
       params.gather_rays = rays;
+      params.near_bounces = 0;  // the whole room lies within the grid's only voxel
       PathParams path;
       path.max_bounces = rays > 0 ? 2 : 1;
       const Accumulator l =
           collect(100000, [&](RandomStream& random) { return trace_gather(lit, light, ray, params, random); });
       EXPECT_LT(std::abs(z_score(l, path_samples(lit, ray, path, 100000, 1))), z_limit) << rays;
     }
+  }
+}
+
+// Where black stored light stands far apart, nothing is read: each of near_bounces hits in a row adds a bounce of its
+// own.
+TEST(FinalGather, GoesOnFromHitsNearerThanAVoxel) {
+  Scene scene = small_room();
+  scene.materials[2] = scene.materials[0];
+  const LitScene lit = make_lit_scene(std::move(scene));
+  const IndirectLight black([](const Surface&) { return Rgb(0, 0, 0); }, [](const V3f&) { return 100.0F; });
+  const Ray ray = ray_to({0, 0.2F, 0.9F}, {-0.2F, -0.99F, 0.3F});
+  for (const int near : {1, 2}) {
+    GatherParams params;
+    params.gather_rays = 1;
+    params.near_bounces = near;
+    PathParams path;
+    path.max_bounces = 2 + near;
+    const Accumulator l =
+        collect(100000, [&](RandomStream& random) { return trace_gather(lit, black, ray, params, random); });
+    EXPECT_LT(std::abs(z_score(l, path_samples(lit, ray, path, 100000, 1))), z_limit) << near;
   }
 }
 
