@@ -1,9 +1,10 @@
-// The reflection model of glTF: a Lambert lobe below a GGX microfacet lobe, mixed by Fresnel.
+// The reflection model of glTF: a GGX microfacet lobe, and below it a diffuse one that gets what the other leaves.
 // wo points towards where the light goes, wi towards where it comes from; both leave the surface.
 #pragma once
 
 #include <optional>
 
+#include "tracer/bsdf/microfacet_albedo.h"
 #include "tracer/core/surface.h"
 
 namespace ivory {
@@ -12,9 +13,11 @@ struct Bsdf {
   V3f ns;  // unit shading normal, on the side of wo
   V3f ng;  // unit geometric normal, likewise
   Rgb diffuse_albedo;
-  Rgb f0;           // reflectance of the microfacet lobe at normal incidence
-  Rgb f90;          // and at grazing incidence
-  float alpha = 1;  // GGX
+  Rgb f0;                     // reflectance of the microfacet lobe at normal incidence
+  Rgb f90;                    // and at grazing incidence
+  float alpha = 1;            // GGX
+  AlbedoPolynomial albedo{};  // of the microfacet lobe, strongest channel; 0 where there is one lobe alone
+  float mean_left = 1;        // mean_left_below() of it
 };
 
 // That of a surface; very narrow lobes are widened to what float can tell apart.
@@ -47,7 +50,7 @@ struct BsdfValue {
 };
 BsdfValue eval_with_pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi);
 
-// Fraction of uniform diffuse incident light that the Lambert lobe sends towards wo (per channel):
+// Fraction of uniform diffuse incident light that the diffuse lobe sends towards wo (per channel):
 // L_out = diffuse_reflectance / pi * E for light that arrives as irradiance.
 Rgb diffuse_reflectance(const Bsdf& bsdf, const V3f& wo);
 

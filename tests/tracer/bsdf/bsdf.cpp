@@ -8,9 +8,11 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/lit_scene.h"
 #include "tests/support/statistics.h"
 #include "tracer/core/sampler.h"
 #include "tracer/core/sampling.h"
+#include "tracer/render/path_tracer.h"
 
 namespace ivory {
 namespace {
@@ -186,18 +188,82 @@ TEST(Bsdf, NoLobeReflectsMoreThanArrives) {
   }
 }
 
-// The specification's mix gains energy at grazing angles (bsdf.cpp); over all of a uniform hemisphere
-// the gain stays within 5 % for white paint, so that no surface of albedo below 0.95 amplifies.
-TEST(Bsdf, BothLobesTogetherReflectNoMoreThanArrivesOfDiffuseLight) {
-  RandomStream random(9, StreamPurpose::test, 0);
-  for (Case c : cases) {
-    if (c.albedo.x > 0) c.albedo = Rgb(1, 1, 1);
-    Accumulator reflectance;
-    for (int i = 0; i < 200000; ++i)
-      reflectance.add(reflected(make(c), sample_cosine_hemisphere(random.next2()), Lobes::all, random));
-    const double gain = c.albedo.x > 0 && c.f90.x > 0 ? 0.05 : 0;
-    EXPECT_LT(reflectance.mean(), 1.0 + gain + 4 * reflectance.standard_error() + 1e-5) << c.name;
-    RecordProperty(c.name, std::to_string(reflectance.mean()));
+// The directional albedo by quadrature: the microfacet lobe by the mid-point rule over the numbers that make a visible
+// normal, finest (1 - t^2) where the flattest normals are; the diffuse one over (cos^2, azimuth), the natural measure
+// of cos/pi.
+double directional_albedo(const Bsdf& bsdf, float cosine) {
+  constexpr int steps = 96;
+  const V3f wo = at_angle(cosine, 0.0F);
+  double sum = 0;
+  for (int i = 0; i < steps; ++i) {
+    const float t = (float(i) + 0.5F) / steps;
+    for (int j = 0; j < steps; ++j) {
+      const float v = (float(j) + 0.5F) / steps;
+      const auto s = sample(bsdf, wo, 0, V2f(1 - t * t, v), Lobes::specular);
+      if (s) sum += 2 * double(t) * double(s->throughput.x);
+      const V3f wi = direction_at_cosine(std::sqrt(t), v);
+      sum += double(eval(bsdf, wo, wi, Lobes::diffuse).x * pi / wi.z);
+    }
+  }
+  return sum / (steps * steps);
+}
+
+// Of all that arrives nothing comes back more than once, at any roughness and angle. The quadrature is good to 3e-4 of
+// the sharpest lobe at the lowest angle. Dielectrics give back all but what the bound of the albedo is too high: 0.11
+// at the most and at grazing angles, 0.04 above 12 degrees; metals lose to masking what the model says.
+TEST(Bsdf, WhiteFurnaceAtAnyRoughnessAndAngle) {
+  struct Furnace {
+    float albedo, f0, f90;
+  };
+  double darkest = 1;
+  for (const Furnace& c : {Furnace{1, 0.04F, 1}, Furnace{1, 0.02F, 0.5F}, Furnace{1, 0.2F, 1}, Furnace{1, 0.6F, 0.8F},
+                           Furnace{1, 1, 1}, Furnace{1, 0.9F, 0.1F}, Furnace{0, 1, 1}}) {
+    for (const float roughness : {0.0F, 0.05F, 0.1F, 0.17F, 0.25F, 0.4F, 0.55F, 0.7F, 0.85F, 1.0F}) {
+      const Bsdf bsdf = make({"", Rgb(c.albedo, c.albedo, c.albedo), Rgb(c.f0, c.f0, c.f0), Rgb(c.f90, c.f90, c.f90),
+                              roughness * roughness});
+      for (const float cosine : {0.002F, 0.01F, 0.03F, 0.08F, 0.15F, 0.21F, 0.35F, 0.6F, 0.85F, 1.0F}) {
+        const double e = directional_albedo(bsdf, cosine);
+        EXPECT_LT(e, 1 + 1e-3) << c.f0 << " " << c.f90 << ", roughness " << roughness << ", cosine " << cosine;
+        if (c.f0 != 0.04F) continue;
+        EXPECT_GT(e, cosine > 0.2F ? 0.96 : 0.89) << "roughness " << roughness << ", cosine " << cosine;
+        darkest = std::min(darkest, e);
+      }
+    }
+  }
+  RecordProperty("darkest", std::to_string(darkest));
+}
+
+// An open box of white walls under an even white sky, path traced to the end: light that has met many walls, too, is
+// nowhere more than the sky's.
+TEST(Bsdf, PathsInAWhiteBoxUnderAWhiteSkySeeNoMoreThanTheSky) {
+  for (const float metallic : {0.0F, 1.0F}) {
+    for (const float roughness : {0.1F, 0.5F, 1.0F}) {
+      Scene scene;
+      Material white;
+      white.base_color = Rgb(1, 1, 1);
+      white.metallic = metallic;
+      white.roughness = roughness;
+      scene.materials.push_back(white);
+      Mesh box = make_room(V3f(-1, -1, -1), V3f(1, 1, 1), 0);
+      std::erase_if(box.triangles, [&](const auto& t) {
+        return box.positions[t.x].y > 0 && box.positions[t.y].y > 0 && box.positions[t.z].y > 0;
+      });
+      add_mesh(scene, std::move(box));
+      scene.environment = uniform_environment({1, 1, 1});
+      const LitScene lit = make_lit_scene(std::move(scene));
+      PathParams params;
+      params.strategy = DirectStrategy::bsdf;
+      for (const V3f& target : {V3f(0.3F, -1, 0.2F), V3f(1, -0.9F, 0.9F)}) {
+        const V3f eye(-0.8F, 0.3F, -0.7F);
+        RandomStream random(10, StreamPurpose::test, 0);
+        Accumulator seen;
+        for (int i = 0; i < 10000; ++i) {
+          const Ray ray{.origin = eye, .direction = (target - eye).normalized()};
+          seen.add(double(trace_path(lit, ray, params, random).x));
+        }
+        EXPECT_LT(seen.mean(), 1 + 1e-3 + z_limit * seen.standard_error()) << metallic << " " << roughness;
+      }
+    }
   }
 }
 
@@ -215,14 +281,14 @@ TEST(Bsdf, MirrorReflectsEverythingInTheMirrorDirection) {
   }
 }
 
-// The table against direct sampling of the lobe.
+// The closed form against quadrature of the lobe.
 TEST(Bsdf, DiffuseReflectanceIsTheLobesIntegral) {
   RandomStream random(7, StreamPurpose::test, 0);
   for (const Case& c : cases) {
     if (c.albedo.x == 0) continue;
     const Bsdf bsdf = make(c);
     for (const float cosine : {1.0F, 0.71F, 0.33F, 0.1F, 0.01F}) {
-      // Reference by quadrature in the measure cos/pi, much finer than the table's own.
+      // Reference by quadrature in the measure cos/pi.
       double sum = 0;
       constexpr int steps = 400;
       const V3f wo = at_angle(cosine, 0.0F);
@@ -233,8 +299,8 @@ TEST(Bsdf, DiffuseReflectanceIsTheLobesIntegral) {
           sum += double(eval(bsdf, wo, wi, Lobes::diffuse).x * pi / wi.z);
         }
       }
-      // Linear interpolation between 65 nodes and the table's coarser quadrature.
-      EXPECT_NEAR(diffuse_reflectance(bsdf, wo).x, sum / (steps * steps), 2e-4 * double(c.albedo.x))
+      // Both are polynomials in the cosine; the mid-point rule is good to 1e-5, floats to as much.
+      EXPECT_NEAR(diffuse_reflectance(bsdf, wo).x, sum / (steps * steps), 1e-4 * double(c.albedo.x))
           << c.name << " " << cosine;
     }
   }
