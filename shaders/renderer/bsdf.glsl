@@ -75,12 +75,21 @@ float ivory_mean_left_below(IvoryAlbedo e) {
   return 1.0 - dot(e.low, vec3(1.0, 1.0 / 3.0, 1.0 / 6.0)) - dot(e.high, vec3(1.0 / 10.0, 1.0 / 15.0, 1.0 / 21.0));
 }
 
+// The diffuse lobe fades where light grazes the facet: terminator() of the twin.
+float ivory_terminator(IvorySurface s, vec3 w) {
+  float facet = dot(w, s.ng);
+  float smoothed = dot(w, s.ns) * dot(s.ns, s.ng);
+  if (facet >= smoothed) return 1.0;
+  float g = max(facet, 0.0) / smoothed;
+  return g * (1.0 + g * (1.0 - g));
+}
+
 // f(wo, wi) dot(ns, wi) in 1/sr; 0 where either lies below ng or ns.
 vec3 ivory_eval_bsdf(IvorySurface s, vec3 wi) {
   float cos_o = dot(s.ns, s.wo);
   float cos_i = dot(s.ns, wi);
   if (cos_o <= 1e-6 || cos_i <= 1e-6 || dot(s.ng, s.wo) <= 0.0 || dot(s.ng, wi) <= 0.0) return vec3(0.0);
-  vec3 value = s.diffuse_albedo * (cos_i / ivory_pi);
+  vec3 value = s.diffuse_albedo * (cos_i / ivory_pi * ivory_terminator(s, wi));
   if (ivory_max_component(s.f0) > 0.0 || ivory_max_component(s.f90) > 0.0) {
     IvoryAlbedo albedo = ivory_microfacet_albedo(s);
     value *= ivory_left_below(albedo, cos_o) * ivory_left_below(albedo, cos_i) /

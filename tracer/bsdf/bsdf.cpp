@@ -79,8 +79,22 @@ float specular_probability(const Bsdf& bsdf, float cosine, Lobes lobes) {
   return std::clamp(std::isfinite(share) ? share : 0.5F, 0.1F, 0.9F);
 }
 
-// Value and pdf together: they share nearly all terms. wo.z > 0 and wi.z > 0.
-BsdfValue evaluate(const Bsdf& bsdf, const V3f& wo, const V3f& wi, float p_specular, Lobes lobes) {
+// Where light from w grazes the facet, the shading normal may still say that it is lit, and the horizon of ng would cut
+// its light off at once: facets of coarse meshes stand out black. The diffuse lobe fades there instead (Chiang, Li &
+// Burley 2019, "Taming the Shadow Terminator"): g = ng.w / (ns.w ng.ns) where that is below 1, through g + g^2 - g^3. It
+// is at most 1, so that no energy is gained, and 1 where ns = ng.
+float terminator(const Bsdf& bsdf, const V3f& w) {
+  if (bsdf.ns == bsdf.ng) return 1;
+  const float facet = w.dot(bsdf.ng);
+  const float smooth = w.dot(bsdf.ns) * bsdf.ns.dot(bsdf.ng);
+  if (!(facet < smooth)) return 1;
+  const float g = std::max(facet, 0.0F) / smooth;
+  return g * (1 + g * (1 - g));
+}
+
+// Value and pdf together: they share nearly all terms. wo.z > 0 and wi.z > 0; `dimmed` as terminator()
+// says.
+BsdfValue evaluate(const Bsdf& bsdf, const V3f& wo, const V3f& wi, float p_specular, Lobes lobes, float dimmed) {
   BsdfValue e;
   const V3f sum = wo + wi;
   const float length = sum.length();
@@ -91,7 +105,7 @@ BsdfValue evaluate(const Bsdf& bsdf, const V3f& wo, const V3f& wi, float p_specu
   if (lobes != Lobes::specular) {
     const float cosine = wi.z / pi;
     const float left = left_below(bsdf.albedo, wo.z) * left_below(bsdf.albedo, wi.z) / bsdf.mean_left;
-    e.value += bsdf.diffuse_albedo * (left * cosine);
+    e.value += bsdf.diffuse_albedo * (left * cosine * dimmed);
     e.pdf_solid_angle += (1.0F - p_specular) * cosine;
   }
   if (lobes != Lobes::diffuse && !is_lambertian(bsdf)) {
@@ -124,12 +138,12 @@ Bsdf make_bsdf(const Surface& surface) {
   return bsdf;
 }
 
-Rgb eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes) {
+Rgb eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes, LightFrom light) {
   const ShadingFrame frame = make_shading_frame(bsdf.ns);
   const V3f o = frame.to_local(wo);
   const V3f i = frame.to_local(wi);
   if (!above(bsdf, wo, o) || !above(bsdf, wi, i)) return Rgb(0, 0, 0);
-  return evaluate(bsdf, o, i, 0, lobes).value;
+  return evaluate(bsdf, o, i, 0, lobes, terminator(bsdf, light == LightFrom::wi ? wi : wo)).value;
 }
 
 float pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes) {
@@ -137,18 +151,20 @@ float pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes) {
   const V3f o = frame.to_local(wo);
   const V3f i = frame.to_local(wi);
   if (!above(bsdf, wo, o) || !above(bsdf, wi, i)) return 0;
-  return evaluate(bsdf, o, i, specular_probability(bsdf, o.z, lobes), lobes).pdf_solid_angle;
+  return evaluate(bsdf, o, i, specular_probability(bsdf, o.z, lobes), lobes, 1).pdf_solid_angle;
 }
 
-BsdfValue eval_with_pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
+BsdfValue eval_with_pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi, LightFrom light) {
   const ShadingFrame frame = make_shading_frame(bsdf.ns);
   const V3f o = frame.to_local(wo);
   const V3f i = frame.to_local(wi);
   if (!above(bsdf, wo, o) || !above(bsdf, wi, i)) return {};
-  return evaluate(bsdf, o, i, specular_probability(bsdf, o.z, Lobes::all), Lobes::all);
+  return evaluate(bsdf, o, i, specular_probability(bsdf, o.z, Lobes::all), Lobes::all,
+                  terminator(bsdf, light == LightFrom::wi ? wi : wo));
 }
 
-std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, float u_lobe, const V2f& u, Lobes lobes) {
+std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, float u_lobe, const V2f& u, Lobes lobes,
+                                 LightFrom light) {
   const ShadingFrame frame = make_shading_frame(bsdf.ns);
   if (is_lambertian(bsdf)) {
     // Lambert alone: f cos / pdf is the albedo to the last bit, which closed-form truths rely on.
@@ -156,7 +172,8 @@ std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, float u_lobe, 
     const V3f i = sample_cosine_hemisphere(u);
     const V3f wi = frame.to_world(i).normalized();
     if (!above(bsdf, wi, i)) return std::nullopt;
-    return BsdfSample{wi, lobes == Lobes::specular ? Rgb(0, 0, 0) : bsdf.diffuse_albedo, i.z / pi};
+    const float dimmed = terminator(bsdf, light == LightFrom::wi ? wi : wo);
+    return BsdfSample{wi, lobes == Lobes::specular ? Rgb(0, 0, 0) : bsdf.diffuse_albedo * dimmed, i.z / pi};
   }
   const V3f o = frame.to_local(wo);
   if (!above(bsdf, wo, o)) return std::nullopt;
@@ -174,7 +191,7 @@ std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, float u_lobe, 
 
   BsdfSample s;
   s.wi = wi;
-  const BsdfValue e = evaluate(bsdf, o, i, p_specular, lobes);
+  const BsdfValue e = evaluate(bsdf, o, i, p_specular, lobes, terminator(bsdf, light == LightFrom::wi ? wi : wo));
   if (!(e.pdf_solid_angle > 0)) return std::nullopt;
   s.throughput = e.value / e.pdf_solid_angle;
   s.pdf_solid_angle = e.pdf_solid_angle;

@@ -28,8 +28,13 @@ inline bool is_lambertian(const Bsdf& bsdf) { return is_black(bsdf.f0) && is_bla
 
 enum class Lobes { all, diffuse, specular };
 
+// Which of the two directions the light comes from: wi for paths from the eye, wo for photons. The model is reciprocal
+// but for shading normals that differ from the geometric one: the diffuse lobe is dimmed where light grazes the facet,
+// see terminator() in bsdf.cpp.
+enum class LightFrom { wi, wo };
+
 // f(wo, wi) |ns.wi| in 1/sr, 0 where either lies below ng or ns.
-Rgb eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes = Lobes::all);
+Rgb eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes = Lobes::all, LightFrom light = LightFrom::wi);
 
 struct BsdfSample {
   V3f wi;
@@ -38,7 +43,8 @@ struct BsdfSample {
 };
 // Samples wi roughly in proportion to eval(), by u_lobe and u uniform in [0, 1). Nothing where the sample falls below
 // the surface: that energy is lost to the model, not to the sampling.
-std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, float u_lobe, const V2f& u, Lobes lobes = Lobes::all);
+std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, float u_lobe, const V2f& u, Lobes lobes = Lobes::all,
+                                 LightFrom light = LightFrom::wi);
 
 // Density (1/sr) with which sample() chooses wi; 0 where eval() is.
 float pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes = Lobes::all);
@@ -48,10 +54,11 @@ struct BsdfValue {
   Rgb value{0, 0, 0};  // f |ns.wi|, 1/sr
   float pdf_solid_angle = 0;
 };
-BsdfValue eval_with_pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi);
+BsdfValue eval_with_pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi, LightFrom light = LightFrom::wi);
 
 // Fraction of uniform diffuse incident light that the diffuse lobe sends towards wo (per channel):
-// L_out = diffuse_reflectance / pi * E for light that arrives as irradiance.
+// L_out = diffuse_reflectance / pi * E for light that arrives as irradiance. E is that of the shading normal, which has
+// no terminator: as if ng were ns.
 Rgb diffuse_reflectance(const Bsdf& bsdf, const V3f& wo);
 
 }  // namespace ivory
