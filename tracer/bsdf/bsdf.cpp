@@ -81,8 +81,8 @@ float specular_probability(const Bsdf& bsdf, float cosine, Lobes lobes) {
 
 // Where light from w grazes the facet, the shading normal may still say that it is lit, and the horizon of ng would cut
 // its light off at once: facets of coarse meshes stand out black. The diffuse lobe fades there instead (Chiang, Li &
-// Burley 2019, "Taming the Shadow Terminator"): g = ng.w / (ns.w ng.ns) where that is below 1, through g + g^2 - g^3. It
-// is at most 1, so that no energy is gained, and 1 where ns = ng.
+// Burley 2019, "Taming the Shadow Terminator"): g = ng.w / (ns.w ng.ns) where that is below 1, through g + g^2 - g^3.
+// It is at most 1, so that no energy is gained, and 1 where ns = ng.
 float terminator(const Bsdf& bsdf, const V3f& w) {
   if (bsdf.ns == bsdf.ng) return 1;
   const float facet = w.dot(bsdf.ng);
