@@ -22,7 +22,7 @@ struct Shadow {
   V3f light{0, 0, 0};     // unit, mean direction of what is hidden, weighted by radiance
   V3f towards{0, 0, 0};   // unit, to the occluder's centre
   float disc_radius = 1;  // of its bounding sphere on the unit sphere about the receiver: the sine of the half-angle
-  float coverage = 0;     // share of the disc that it fills
+  Rgb coverage{0, 0, 0};  // share of the light of its disc that it hides, see covered_share()
   float gathered = 0;     // share of what it hides that comes from light gathered in a few places
 };
 
@@ -30,10 +30,26 @@ float disc_area(const Shadow& shadow) { return pi * shadow.disc_radius * shadow.
 
 // What an occluder hides beyond what it would under an even sky, E cos(theta) c A / pi for a disc of area A filled to
 // the share c.
-float gathered_share(const Shadow& shadow, const V3f& n, const Rgb& unshadowed) {
-  const float even =
-      luminance(unshadowed) * std::max(0.0F, shadow.towards.dot(n)) * shadow.coverage * disc_area(shadow) / pi;
+float gathered_share(const Shadow& shadow, const V3f& n, const Rgb& unshadowed, float filled) {
+  const float even = luminance(unshadowed) * std::max(0.0F, shadow.towards.dot(n)) * filled * disc_area(shadow) / pi;
   return std::clamp(1 - even / luminance(shadow.hidden), 0.0F, 1.0F);
+}
+
+// The share of its disc that an occluder fills is a mean over all sides and distances, far ones above all. Near by, it
+// hides more: what it hides over what comes through the disc from an even sky, where that is the larger. Of a disc of
+// radius r at angle theta this is E r^2 cos(theta) far off, and E (1 + cos(theta)) / 2 of a half space; between the two
+// by r. Taken for the mean alone, two shadows that meet at a contact sum to more than all light, first of the colours
+// that both hide most, and leave the rest of the sky's: deep blue.
+Rgb covered_share(const Shadow& shadow, const V3f& n, const Rgb& unshadowed, float filled) {
+  const float cosine = std::max(0.0F, shadow.towards.dot(n));
+  const float r = shadow.disc_radius;
+  const float disc = r * r * (cosine + 0.5F * r * (1 - cosine));
+  Rgb share;
+  for (unsigned c = 0; c < 3; ++c) {
+    const float through = unshadowed[c] * disc;
+    share[c] = through > 0 ? std::max(filled, std::min(1.0F, shadow.hidden[c] / through)) : filled;
+  }
+  return share;
 }
 
 // For a receiver at q (in bounding radii) over whose plane the centre stands `height` high, above -1. `hidden` may be
@@ -44,7 +60,6 @@ Shadow shadow_of(const FivPlacement& occluder, const V3f& q, float height, const
   Shadow shadow;
   shadow.towards = distance > 0 ? q / -distance : n;
   shadow.disc_radius = distance > 1 ? 1 / distance : 1;
-  shadow.coverage = occluder.table->coverage;
   const FivMoments moments = hidden_from(occluder, q);
   shadow.hidden = hidden_irradiance(*occluder.table, moments, n, height, straddling);
   if (!(luminance(shadow.hidden) > 0)) return shadow;
@@ -52,7 +67,8 @@ Shadow shadow_of(const FivPlacement& occluder, const V3f& q, float height, const
   for (unsigned axis = 0; axis < 3; ++axis)
     light[axis] = luminance(Rgb(moments[3 * axis], moments[3 * axis + 1], moments[3 * axis + 2]));
   if (light.length() > 0) shadow.light = light.normalized();
-  shadow.gathered = gathered_share(shadow, n, unshadowed);
+  shadow.gathered = gathered_share(shadow, n, unshadowed, occluder.table->coverage);
+  shadow.coverage = covered_share(shadow, n, unshadowed, occluder.table->coverage);
   return shadow;
 }
 
@@ -75,12 +91,15 @@ float common_area(const Shadow& a, const Shadow& b) {
 // disc A_j, filled to the share c_j, has hidden c_j A_jk / A_k of it, if the two are laid out independently of each
 // other. Light gathered in few places is hidden by both where the mean directions of the light that they hide agree, to
 // within the smaller disc.
-float left_open(const Shadow& strong, const Shadow& weak) {
+Rgb left_open(const Shadow& strong, const Shadow& weak) {
   const float gathered = weak.gathered * strong.gathered;
-  const float spread = strong.coverage * common_area(strong, weak) / disc_area(weak);
+  const float common = common_area(strong, weak) / disc_area(weak);
   const float apart = (strong.light - weak.light).length();
   const float same = std::max(0.0F, 1 - apart / std::min(strong.disc_radius, weak.disc_radius));
-  return 1 - std::min(1.0F, (1 - gathered) * spread + gathered * same);
+  Rgb open;
+  for (unsigned c = 0; c < 3; ++c)
+    open[c] = 1 - std::min(1.0F, (1 - gathered) * strong.coverage[c] * common + gathered * same);
+  return open;
 }
 
 // Shadows as they come, one at a time: what the overlap rules keep of them.
@@ -109,7 +128,7 @@ void add(Shadows& shadows, Shadow shadow, const Rgb& unshadowed) {
     shadows.strongest[std::size_t(shadows.count++)] = shadow;
     return;
   }
-  float open = 1;
+  Rgb open(1, 1, 1);
   for (const Shadow& strong : shadows.strongest) open *= left_open(strong, shadow);
   multiply_visible(shadows.share_of_rest, shadow.hidden * open, unshadowed);
 }
@@ -127,14 +146,26 @@ Rgb hidden_by_discs(const Shadows& shadows) {
   return hidden;
 }
 
+// The most of what is left that a shadow takes where discs say that none of it was hidden before: half way between its
+// share of all light, as if laid out independently, and everything. Without a limit some colour comes to nothing, the
+// one that all of them hide most, where truth has a little of every colour.
+constexpr float most_of_rest = 0.5F;
+
 // The strongest first; each hides of its light what the ones before left open. All others, weak as they are, hide their
 // share of what is open after that.
 Rgb hidden_by_covers(const Shadows& shadows, const Rgb& unshadowed) {
   Rgb hidden(0, 0, 0);
   for (std::size_t k = 0; k < std::size_t(shadows.count); ++k) {
-    float open = 1;
+    Rgb open(1, 1, 1);
     for (std::size_t j = 0; j < k; ++j) open *= left_open(shadows.strongest[j], shadows.strongest[k]);
-    hidden += shadows.strongest[k].hidden * open;
+    const Rgb& own = shadows.strongest[k].hidden;
+    for (unsigned c = 0; c < 3; ++c) {
+      const float rest = std::max(0.0F, unshadowed[c] - hidden[c]);
+      const float share = unshadowed[c] > 0 ? std::min(1.0F, own[c] / unshadowed[c]) : 0.0F;
+      // The first is not compared with any.
+      const float most = k == 0 ? rest : rest * (share + most_of_rest * (1 - share));
+      hidden[c] += std::min(own[c] * open[c], most);
+    }
   }
   for (unsigned c = 0; c < 3; ++c)
     hidden[c] += std::max(0.0F, unshadowed[c] - hidden[c]) * (1 - shadows.share_of_rest[c]);

@@ -23,7 +23,7 @@ struct IvoryFivShadow {
   vec3 light;         // unit, mean direction of what is hidden, weighted by radiance
   float disc_radius;  // of its bounding sphere on the unit sphere about the receiver
   vec3 towards;       // unit, to the occluder's centre
-  float coverage;     // share of the disc that it fills
+  vec3 coverage;      // share of the light of its disc that it hides: covered_share() of the twin
   float gathered;     // share of what it hides that comes from light gathered in a few places
 };
 
@@ -38,7 +38,7 @@ float ivory_luminance(vec3 c) { return dot(c, vec3(0.2126, 0.7152, 0.0722)); }
 
 #define IVORY_FIV_EMPTY(i) shadows.strongest[i] = none;
 IvoryFivShadows ivory_fiv_no_shadows() {
-  IvoryFivShadow none = IvoryFivShadow(vec3(0.0), 0.0, vec3(0.0), 1.0, vec3(0.0), 0.0, 0.0);
+  IvoryFivShadow none = IvoryFivShadow(vec3(0.0), 0.0, vec3(0.0), 1.0, vec3(0.0), vec3(0.0), 0.0);
   IvoryFivShadows shadows;
   IVORY_FIV_FOR_STRONGEST(IVORY_FIV_EMPTY)
   shadows.sum = vec3(0.0);
@@ -54,16 +54,21 @@ IvoryFivShadow ivory_fiv_shadow_by(IvoryFivMoments moments, IvoryFivTable table,
   IvoryFivShadow shadow;
   shadow.towards = r > 0.0 ? q / -r : n;
   shadow.disc_radius = r > 1.0 ? 1.0 / r : 1.0;
-  shadow.coverage = table.samples.w;
   shadow.hidden = ivory_hidden_irradiance(table, moments, n, height, straddling);
   shadow.luminance = ivory_luminance(shadow.hidden);
   vec3 light = vec3(ivory_luminance(moments.slab[0].rgb), ivory_luminance(moments.slab[1].rgb),
                     ivory_luminance(moments.slab[2].rgb));
   float size = length(light);
   shadow.light = size > 0.0 ? light / size : vec3(0.0);
-  float even = ivory_luminance(unshadowed) * max(0.0, dot(shadow.towards, n)) * shadow.coverage * shadow.disc_radius *
-               shadow.disc_radius;
+  float filled = table.samples.w;
+  float area = shadow.disc_radius * shadow.disc_radius;
+  float cosine = max(0.0, dot(shadow.towards, n));
+  float even = ivory_luminance(unshadowed) * cosine * filled * area;
   shadow.gathered = shadow.luminance > 0.0 ? clamp(1.0 - even / shadow.luminance, 0.0, 1.0) : 0.0;
+  // A disc on the horizon with nothing behind it is filled as ever.
+  vec3 through = unshadowed * (area * (cosine + 0.5 * shadow.disc_radius * (1.0 - cosine)));
+  vec3 share = max(vec3(filled), min(shadow.hidden / max(through, 1e-37), 1.0));
+  shadow.coverage = mix(vec3(filled), share, greaterThan(through, vec3(0.0)));
   return shadow;
 }
 
@@ -95,12 +100,12 @@ float ivory_fiv_common_area(IvoryFivShadow a, IvoryFivShadow b) {
 float ivory_fiv_disc_area(IvoryFivShadow a) { return ivory_pi * a.disc_radius * a.disc_radius; }
 
 // How much of what `weak` hides `strong` has left open.
-float ivory_fiv_left_open(IvoryFivShadow strong, IvoryFivShadow weak) {
+vec3 ivory_fiv_left_open(IvoryFivShadow strong, IvoryFivShadow weak) {
   float gathered = weak.gathered * strong.gathered;
-  float spread = strong.coverage * ivory_fiv_common_area(strong, weak) / ivory_fiv_disc_area(weak);
+  vec3 spread = strong.coverage * (ivory_fiv_common_area(strong, weak) / ivory_fiv_disc_area(weak));
   float apart = distance(strong.light, weak.light);
   float same = max(0.0, 1.0 - apart / min(strong.disc_radius, weak.disc_radius));
-  return 1.0 - min(1.0, (1.0 - gathered) * spread + gathered * same);
+  return 1.0 - min((1.0 - gathered) * spread + gathered * same, 1.0);
 }
 
 // 1 - hidden / unshadowed per channel, 1 where there is no light.
@@ -137,7 +142,7 @@ void ivory_fiv_add(inout IvoryFivShadows shadows, IvoryFivShadow shadow, vec3 un
   IVORY_FIV_FOR_STRONGEST(IVORY_FIV_EXCHANGE)
 #endif
 #if IVORY_FIV_OVERLAP == 2
-  float open = 1.0;
+  vec3 open = vec3(1.0);
   IVORY_FIV_FOR_STRONGEST(IVORY_FIV_OPEN)
   shadows.share *= ivory_fiv_visible(shadow.hidden * open, unshadowed);
 #endif
@@ -145,20 +150,30 @@ void ivory_fiv_add(inout IvoryFivShadows shadows, IvoryFivShadow shadow, vec3 un
 
 #define IVORY_FIV_PAIR(j, k) ivory_fiv_pair(shadows.strongest[j], shadows.strongest[k], hidden, open);
 #if IVORY_FIV_OVERLAP == 1
+#define IVORY_FIV_FIRST
 #define IVORY_FIV_NEXT(k)
 #else
-#define IVORY_FIV_NEXT(k) hidden += shadows.strongest[k].hidden * open; open = 1.0;
+#define IVORY_FIV_FIRST hidden = min(shadows.strongest[0].hidden, unshadowed);
+#define IVORY_FIV_NEXT(k) ivory_fiv_next(shadows.strongest[k].hidden, unshadowed, hidden, open);
 #endif
 
 // Eq. 13 and 14: of what a pair hides, the share of its discs that they have in common was counted twice. Or what
 // the stronger one leaves open to the other.
-void ivory_fiv_pair(IvoryFivShadow strong, IvoryFivShadow weak, inout vec3 hidden, inout float open) {
+void ivory_fiv_pair(IvoryFivShadow strong, IvoryFivShadow weak, inout vec3 hidden, inout vec3 open) {
 #if IVORY_FIV_OVERLAP == 1
   float share = ivory_fiv_common_area(strong, weak) / (ivory_fiv_disc_area(strong) + ivory_fiv_disc_area(weak));
   if (weak.luminance > 0.0) hidden -= (strong.hidden + weak.hidden) * share;
 #else
   open *= ivory_fiv_left_open(strong, weak);
 #endif
+}
+
+// Adds what the next shadow hides of its light, at most half way from its share of all light to everything of the rest.
+void ivory_fiv_next(vec3 own, vec3 unshadowed, inout vec3 hidden, inout vec3 open) {
+  vec3 rest = max(unshadowed - hidden, 0.0);
+  vec3 share = mix(vec3(0.0), min(own / max(unshadowed, 1e-37), 1.0), greaterThan(unshadowed, vec3(0.0)));
+  hidden += min(own * open, rest * (share + 0.5 * (1.0 - share)));
+  open = vec3(1.0);
 }
 
 // Irradiance in lux that all shadows take together.
@@ -169,8 +184,8 @@ vec3 ivory_fiv_hidden(IvoryFivShadows shadows, vec3 unshadowed) {
   return unshadowed * (1.0 - shadows.share);
 #else
   vec3 hidden = vec3(0.0);
-  float open = 1.0;
-  IVORY_FIV_NEXT(0)
+  vec3 open = vec3(1.0);
+  IVORY_FIV_FIRST
   IVORY_FIV_PAIR(0, 1) IVORY_FIV_NEXT(1)
   IVORY_FIV_PAIR(0, 2) IVORY_FIV_PAIR(1, 2) IVORY_FIV_NEXT(2)
   IVORY_FIV_PAIR(0, 3) IVORY_FIV_PAIR(1, 3) IVORY_FIV_PAIR(2, 3) IVORY_FIV_NEXT(3)

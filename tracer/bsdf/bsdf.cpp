@@ -1,20 +1,23 @@
 #include "tracer/bsdf/bsdf.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "tracer/core/sampling.h"
 
-// The model is glTF 2.0's appendix B with KHR_materials_specular:
+// Materials are glTF 2.0's with KHR_materials_specular:
 //
-//   f = (1 - max_rgb F(h.wo)) albedo/pi + F(h.wo) D(h) V(wo, wi),   F(u) = f0 + (f90 - f0) (1 - u)^5
+//   f = albedo/pi d(wo) d(wi) / mean(d) + F(h.wo) D(h) V(wo, wi),   F(u) = f0 + (f90 - f0) (1 - u)^5
 //
-// with h the half vector, D the GGX distribution and V = G2/(4 cos cos) with Smith's
-// height-correlated G2. h.wo = h.wi makes it reciprocal; f0 = f90 = 0 leaves exactly Lambert.
-// Mixing by h.wo does not conserve energy: at grazing angles the specular lobe gains more than the
-// diffuse lobe gives up, so that a white dielectric reflects up to 1.56 of what arrives there and 1.04
-// of diffuse light. That is the specification's model, and what other glTF renderers show.
+// with h the half vector, D the GGX distribution and V = G2/(4 cos cos) with Smith's height-correlated G2. The
+// specification's appendix B gives the diffuse lobe 1 - F(h.wo) instead of d, and leaves it open to conserve energy
+// better: so mixed, a white dielectric reflects up to 1.56 of what arrives at grazing angles and 1.04 of diffuse light.
+// Here d(w) = 1 - E(w), what the microfacet lobe leaves of light from w (Kelemen & Szirmay-Kalos 2001, "A Microfacet
+// Based Coupled Specular-Matte BRDF Model", eq. 4). The diffuse lobe then reflects albedo d(wo) of light that comes
+// from everywhere, and both together E + albedo (1 - E) <= 1, in any direction; and the model stays reciprocal. E is
+// bounded from above (microfacet_albedo.h), of the strongest channel, so that hues stay as they are. What light the
+// microfacet lobe loses to masking is left lost, as in the specification: a white metal of roughness 1 reflects 0.41 of
+// diffuse light, of 0.5 0.88.
 //
 // Everything below works in the frame whose z is the shading normal: the sine of a half vector near
 // the pole then comes from its x and y, where 1 - z^2 would lose all digits for small alpha.
@@ -61,22 +64,37 @@ V3f sample_visible_normal(float alpha, const V3f& wo, const V2f& u) {
   return length > 0 ? h / length : V3f(0, 0, 1);
 }
 
-// How often the specular lobe is chosen: its share of the light reflected towards wo, both lobes
-// judged by their reflectance at wo's own angle. Exactly 0 and 1 where a lobe is absent.
+// How often the specular lobe is chosen: its share of what diffuse light both lobes reflect towards wo. Exactly 0 and 1
+// where a lobe is absent.
 float specular_probability(const Bsdf& bsdf, float cosine, Lobes lobes) {
   if (lobes != Lobes::all) return lobes == Lobes::specular ? 1.0F : 0.0F;
-  const Rgb f = fresnel(bsdf, cosine);
-  const float specular = luminance(f);
-  const float diffuse = luminance(bsdf.diffuse_albedo) * std::max(0.0F, 1.0F - max_component(f));
   if (is_lambertian(bsdf)) return 0;
   if (is_black(bsdf.diffuse_albedo)) return 1;
+  const Rgb f = fresnel(bsdf, cosine);
+  const float left = left_below(bsdf.albedo, cosine);
+  const float specular = (1.0F - left) * luminance(f) / max_component(f);
+  const float diffuse = left * luminance(bsdf.diffuse_albedo);
   const float share = specular / (specular + diffuse);
-  // Fresnel at the half vector can be far from Fresnel at wo, so no present lobe goes unsampled.
+  // Light may come from where the other lobe is the stronger, so no present lobe goes unsampled.
   return std::clamp(std::isfinite(share) ? share : 0.5F, 0.1F, 0.9F);
 }
 
-// Value and pdf together: they share nearly all terms. wo.z > 0 and wi.z > 0.
-BsdfValue evaluate(const Bsdf& bsdf, const V3f& wo, const V3f& wi, float p_specular, Lobes lobes) {
+// Where light from w grazes the facet, the shading normal may still say that it is lit, and the horizon of ng would cut
+// its light off at once: facets of coarse meshes stand out black. The diffuse lobe fades there instead (Chiang, Li &
+// Burley 2019, "Taming the Shadow Terminator"): g = ng.w / (ns.w ng.ns) where that is below 1, through g + g^2 - g^3.
+// It is at most 1, so that no energy is gained, and 1 where ns = ng.
+float terminator(const Bsdf& bsdf, const V3f& w) {
+  if (bsdf.ns == bsdf.ng) return 1;
+  const float facet = w.dot(bsdf.ng);
+  const float smooth = w.dot(bsdf.ns) * bsdf.ns.dot(bsdf.ng);
+  if (!(facet < smooth)) return 1;
+  const float g = std::max(facet, 0.0F) / smooth;
+  return g * (1 + g * (1 - g));
+}
+
+// Value and pdf together: they share nearly all terms. wo.z > 0 and wi.z > 0; `dimmed` as terminator()
+// says.
+BsdfValue evaluate(const Bsdf& bsdf, const V3f& wo, const V3f& wi, float p_specular, Lobes lobes, float dimmed) {
   BsdfValue e;
   const V3f sum = wo + wi;
   const float length = sum.length();
@@ -86,7 +104,8 @@ BsdfValue evaluate(const Bsdf& bsdf, const V3f& wo, const V3f& wi, float p_specu
   const Rgb f = fresnel(bsdf, 0.5F * length);
   if (lobes != Lobes::specular) {
     const float cosine = wi.z / pi;
-    e.value += bsdf.diffuse_albedo * (std::max(0.0F, 1.0F - max_component(f)) * cosine);
+    const float left = left_below(bsdf.albedo, wo.z) * left_below(bsdf.albedo, wi.z) / bsdf.mean_left;
+    e.value += bsdf.diffuse_albedo * (left * cosine * dimmed);
     e.pdf_solid_angle += (1.0F - p_specular) * cosine;
   }
   if (lobes != Lobes::diffuse && !is_lambertian(bsdf)) {
@@ -106,56 +125,25 @@ constexpr float min_cosine = 1e-6F;
 
 bool above(const Bsdf& bsdf, const V3f& w, const V3f& local) { return local.z > min_cosine && w.dot(bsdf.ng) > 0; }
 
-// A(mu) = integral of (1 - h.wo)^5 cos/pi over wi, for wo at cosine mu: the share of uniform light
-// that Fresnel's angular term takes from the diffuse lobe. Linear between nodes even in mu; the
-// mid-point rule in (cos^2, azimuth) is the natural measure of cos/pi.
-constexpr int fresnel_loss_nodes = 65;
-
-std::array<float, fresnel_loss_nodes> make_fresnel_loss() {
-  std::array<float, fresnel_loss_nodes> table{};
-  constexpr int steps = 64;
-  for (int node = 0; node < fresnel_loss_nodes; ++node) {
-    const double mu = double(node) / (fresnel_loss_nodes - 1);
-    const double sin_o = std::sqrt(1.0 - mu * mu);
-    double sum = 0;
-    for (int i = 0; i < steps; ++i) {
-      const double cos2 = (i + 0.5) / steps;
-      const double cos_i = std::sqrt(cos2);
-      const double sin_i = std::sqrt(1.0 - cos2);
-      for (int j = 0; j < steps; ++j) {
-        const double phi = double(pi) * (j + 0.5) / steps;
-        // h.wo = sqrt((1 + wo.wi)/2) for unit vectors.
-        const double dot = mu * cos_i + sin_o * sin_i * std::cos(phi);
-        const double x = 1.0 - std::sqrt(std::max(0.0, 0.5 * (1.0 + dot)));
-        sum += x * x * x * x * x;
-      }
-    }
-    table[std::size_t(node)] = float(sum / (steps * steps));
-  }
-  return table;
-}
-
-float fresnel_loss(float mu) {
-  static const std::array<float, fresnel_loss_nodes> table = make_fresnel_loss();
-  const float x = std::clamp(mu, 0.0F, 1.0F) * (fresnel_loss_nodes - 1);
-  const int i = std::min(int(x), fresnel_loss_nodes - 2);
-  const float t = x - float(i);
-  return (1.0F - t) * table[std::size_t(i)] + t * table[std::size_t(i) + 1];
-}
-
 }  // namespace
 
 Bsdf make_bsdf(const Surface& surface) {
-  return {surface.ns,          surface.ng,           surface.diffuse_albedo,
-          surface.specular_f0, surface.specular_f90, std::clamp(surface.roughness_alpha, min_alpha, 1.0F)};
+  Bsdf bsdf{surface.ns,          surface.ng,           surface.diffuse_albedo,
+            surface.specular_f0, surface.specular_f90, std::clamp(surface.roughness_alpha, min_alpha, 1.0F)};
+  // Metals and Lambert surfaces have one lobe.
+  if (is_lambertian(bsdf) || is_black(bsdf.diffuse_albedo)) return bsdf;
+  bsdf.albedo = make_albedo_polynomial(max_component(bsdf.f0), max_component(bsdf.f90), bsdf.alpha);
+  // Next to nothing is left below a white mirror; rounding decides how much.
+  bsdf.mean_left = std::max(mean_left_below(bsdf.albedo), 1e-3F);
+  return bsdf;
 }
 
-Rgb eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes) {
+Rgb eval(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes, LightFrom light) {
   const ShadingFrame frame = make_shading_frame(bsdf.ns);
   const V3f o = frame.to_local(wo);
   const V3f i = frame.to_local(wi);
   if (!above(bsdf, wo, o) || !above(bsdf, wi, i)) return Rgb(0, 0, 0);
-  return evaluate(bsdf, o, i, 0, lobes).value;
+  return evaluate(bsdf, o, i, 0, lobes, terminator(bsdf, light == LightFrom::wi ? wi : wo)).value;
 }
 
 float pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes) {
@@ -163,18 +151,20 @@ float pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi, Lobes lobes) {
   const V3f o = frame.to_local(wo);
   const V3f i = frame.to_local(wi);
   if (!above(bsdf, wo, o) || !above(bsdf, wi, i)) return 0;
-  return evaluate(bsdf, o, i, specular_probability(bsdf, o.z, lobes), lobes).pdf_solid_angle;
+  return evaluate(bsdf, o, i, specular_probability(bsdf, o.z, lobes), lobes, 1).pdf_solid_angle;
 }
 
-BsdfValue eval_with_pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi) {
+BsdfValue eval_with_pdf(const Bsdf& bsdf, const V3f& wo, const V3f& wi, LightFrom light) {
   const ShadingFrame frame = make_shading_frame(bsdf.ns);
   const V3f o = frame.to_local(wo);
   const V3f i = frame.to_local(wi);
   if (!above(bsdf, wo, o) || !above(bsdf, wi, i)) return {};
-  return evaluate(bsdf, o, i, specular_probability(bsdf, o.z, Lobes::all), Lobes::all);
+  return evaluate(bsdf, o, i, specular_probability(bsdf, o.z, Lobes::all), Lobes::all,
+                  terminator(bsdf, light == LightFrom::wi ? wi : wo));
 }
 
-std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, float u_lobe, const V2f& u, Lobes lobes) {
+std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, float u_lobe, const V2f& u, Lobes lobes,
+                                 LightFrom light) {
   const ShadingFrame frame = make_shading_frame(bsdf.ns);
   if (is_lambertian(bsdf)) {
     // Lambert alone: f cos / pdf is the albedo to the last bit, which closed-form truths rely on.
@@ -182,7 +172,8 @@ std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, float u_lobe, 
     const V3f i = sample_cosine_hemisphere(u);
     const V3f wi = frame.to_world(i).normalized();
     if (!above(bsdf, wi, i)) return std::nullopt;
-    return BsdfSample{wi, lobes == Lobes::specular ? Rgb(0, 0, 0) : bsdf.diffuse_albedo, i.z / pi};
+    const float dimmed = terminator(bsdf, light == LightFrom::wi ? wi : wo);
+    return BsdfSample{wi, lobes == Lobes::specular ? Rgb(0, 0, 0) : bsdf.diffuse_albedo * dimmed, i.z / pi};
   }
   const V3f o = frame.to_local(wo);
   if (!above(bsdf, wo, o)) return std::nullopt;
@@ -200,7 +191,7 @@ std::optional<BsdfSample> sample(const Bsdf& bsdf, const V3f& wo, float u_lobe, 
 
   BsdfSample s;
   s.wi = wi;
-  const BsdfValue e = evaluate(bsdf, o, i, p_specular, lobes);
+  const BsdfValue e = evaluate(bsdf, o, i, p_specular, lobes, terminator(bsdf, light == LightFrom::wi ? wi : wo));
   if (!(e.pdf_solid_angle > 0)) return std::nullopt;
   s.throughput = e.value / e.pdf_solid_angle;
   s.pdf_solid_angle = e.pdf_solid_angle;
@@ -211,9 +202,7 @@ Rgb diffuse_reflectance(const Bsdf& bsdf, const V3f& wo) {
   const float mu = bsdf.ns.dot(wo);
   if (!(mu > min_cosine) || !(wo.dot(bsdf.ng) > 0)) return Rgb(0, 0, 0);
   if (is_lambertian(bsdf)) return bsdf.diffuse_albedo;
-  const float loss = fresnel_loss(mu);
-  const Rgb f = bsdf.f0 * (1.0F - loss) + bsdf.f90 * loss;
-  return bsdf.diffuse_albedo * std::max(0.0F, 1.0F - max_component(f));
+  return bsdf.diffuse_albedo * left_below(bsdf.albedo, std::min(mu, 1.0F));
 }
 
 }  // namespace ivory

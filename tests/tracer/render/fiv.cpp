@@ -49,7 +49,7 @@ TEST(FivRender, ReflectsByTheDiffuseLobeOfTheMaterial) {
       albedo.add(s ? double(s->throughput.x) : 0);
     }
     const double expected = 2 / double(pi) * albedo.mean();
-    // The table of Fresnel's share is within 2e-5.
+    // What rounding makes of it.
     EXPECT_LT(std::abs(double(seen.x) - expected), 2 / double(pi) * (z_limit * albedo.standard_error() + 1e-4))
         << slope;
     EXPECT_LT(double(seen.x), 0.97 * 2 / double(pi) * 0.8) << slope;

@@ -207,7 +207,7 @@ void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLed
       for (int copy = 0; copy < copies; ++copy) {
         const float u_lobe = is_lambertian(bsdf) ? 0.0F : random.next();
         const float u_survive = random.next();
-        std::optional<BsdfSample> scattered = sample(bsdf, wo, u_lobe, random.next2());
+        std::optional<BsdfSample> scattered = sample(bsdf, wo, u_lobe, random.next2(), Lobes::all, LightFrom::wo);
         if (!scattered) continue;
         if (sent > 0) {
           const float own = scattered->pdf_solid_angle;
@@ -224,7 +224,7 @@ void PhotonTracer::trace_paths(std::uint64_t begin, std::uint64_t end, PhotonLed
       for (int i = 0; i < whole * copies; ++i) {
         const float u_face = random.next();
         const V3f wi = sample(*params_.aim, box, u_face, random.next2());
-        const BsdfValue value = eval_with_pdf(bsdf, wo, wi);
+        const BsdfValue value = eval_with_pdf(bsdf, wo, wi, LightFrom::wo);
         const float density = value.pdf_solid_angle + sent * pdf_solid_angle(*params_.aim, box, wi);
         if (is_black(value.value) || !(density > 0)) continue;
         go_on(wi, value.value / density * shading_normal_correction(bsdf, wo, wi), 1, pieces * whole);
