@@ -6,10 +6,16 @@
 
 namespace ivory {
 
+// Nanoseconds a point.
+struct LookupFigure {
+  double single_ns = 0;   // one after the other: grid/field/lookup.h
+  double batched_ns = 0;  // many at once: grid/field/batch/lookup.h
+};
+
 struct LookupBench {
-  double off_ns = 0;
-  double planes_ns = 0;
-  double rays_ns = 0;
+  LookupFigure off;
+  LookupFigure planes;
+  LookupFigure rays;
   double occlusion_ray_ns = 0;  // one Embree occlusion query as long as a voxel, for comparison
 };
 
