@@ -7,6 +7,7 @@
 
 #include <tbb/global_control.h>
 #include <tbb/info.h>
+#include <tbb/parallel_for.h>
 
 #include "grid/base/error.h"
 #include "tracer/bake/field/baker.h"
