@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "grid/field/kernels.h"
 #include "grid/field/yield.h"
 
 namespace ivory {
@@ -39,26 +40,25 @@ std::uint32_t pack(const GuardPlane& plane) {
   return quantise(x * 0.5F + 0.5F, normal_steps) | quantise(y * 0.5F + 0.5F, normal_steps) << 10U | distance << 20U;
 }
 
+namespace {
+
+kernels::Plane<float> plane_in(std::uint32_t word) {
+  return kernels::plane_of(static_cast<float>(word & 1023U), static_cast<float>((word >> 10U) & 1023U),
+                           static_cast<float>(word >> 20U));
+}
+
+}  // namespace
+
 std::optional<GuardPlane> unpack(std::uint32_t word) {
   if (word < no_guard_plane) return std::nullopt;
-  float x = static_cast<float>(word & 1023U) / normal_steps * 2 - 1;
-  float y = static_cast<float>((word >> 10U) & 1023U) / normal_steps * 2 - 1;
-  const float z = 1 - std::abs(x) - std::abs(y);
-  if (z < 0) {
-    const float folded = (1 - std::abs(y)) * sign_not_zero(x);
-    y = (1 - std::abs(x)) * sign_not_zero(y);
-    x = folded;
-  }
-  const float distance =
-      (static_cast<float>(word >> 20U) - 1) / (distance_steps - 1) * 2 * distance_range - distance_range;
-  return GuardPlane{V3f(x, y, z).normalized(), distance};
+  const kernels::Plane<float> plane = plane_in(word);
+  return GuardPlane{V3f(plane.normal[0], plane.normal[1], plane.normal[2]), plane.distance};
 }
 
 float hidden_by(const GuardRecord& record, const V3f& u) {
   float most = -std::numeric_limits<float>::max();
   for (const std::uint32_t word : record.words) {
-    if (const std::optional<GuardPlane> plane = unpack(word))
-      most = std::max(most, plane->normal.dot(u) - plane->distance);
+    if (word >= no_guard_plane) most = std::max(most, plane_in(word).beyond({u.x, u.y, u.z}));
   }
   return most;
 }

@@ -48,6 +48,21 @@ TEST(BakeGrid, GridsArePlacedByHand) {
   EXPECT_NE(probe.err.find("nearest vertices"), std::string::npos) << probe.err;
 }
 
+// Probes write the same kind of file, with how it was made, and refuse what serves photons alone.
+TEST(BakeGrid, ProbesAreBakedIntoTheSameFile) {
+  const auto folder = scratch_folder("probes");
+  const std::string bake = "bake grid " + scene + " --by probes --resolution 4 -f -o x.vdb ";
+  const Outcome outcome = ivory(folder, bake + "--probe-rays 64 --json");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(Json::parse(outcome.out)["parameters"]["made_by"], "probes");
+  const Outcome info = ivory(folder, "info x.vdb --json");
+  EXPECT_NE(info.out.find("\"probe_rays\""), std::string::npos) << info.out;
+  for (const std::string option :
+       {"--photons 1k", "--direct", "--emission even", "--shards 2 --shard 1", "--target-error 5%"})
+    EXPECT_EQ(ivory(folder, bake + option).exit_code, 2) << option;
+  EXPECT_EQ(ivory(folder, "bake grid " + scene + " --resolution 4 -f -o x.vdb --probe-rays 64").exit_code, 2);
+}
+
 // Past the closed room, where none of its light comes: said in the result, on the terminal, in the file and where it is
 // read, and with an error that is not 0.
 TEST(BakeGrid, SaysWhereNoLightCame) {

@@ -26,9 +26,9 @@ void keep_mesh(const MeshInput& mesh, Metadata& m) {
 
 }  // namespace
 
-void keep_origin(const Metadata& origin, GridAccumulator& sums) {
-  for (const auto& [key, value] : origin) sums.metadata[key] = value;
-  keep_version(sums.metadata);
+void keep_origin(const Metadata& origin, GridVertices& grid) {
+  for (const auto& [key, value] : origin) grid.metadata[key] = value;
+  keep_version(grid.metadata);
 }
 
 void keep_contract(ContractResult& result, const std::string& domain, bool asked,

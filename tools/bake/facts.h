@@ -19,9 +19,9 @@
 
 namespace ivory {
 
-// Of a grid: leaves the scene's facts, and with a contract the certificate, in the metadata of the sums, to be written
-// with them. `domain` is where the error was asked for, or "points"; `asked`: was a target given?
-void keep_origin(const Metadata& origin, GridAccumulator& sums);
+// Of a grid: leaves the scene's facts, and with a contract the certificate, in the metadata of the sums or the grid, to be
+// written with them. `domain` is where the error was asked for, or "points"; `asked`: was a target given?
+void keep_origin(const Metadata& origin, GridVertices& grid);
 void keep_contract(ContractResult& result, const std::string& domain, bool asked,
                    const std::optional<double>& most_seconds);
 // What photons left too little of, in words; empty where there is enough.

@@ -13,6 +13,7 @@
 #include "tools/bake/checkpoint.h"
 #include "tools/bake/facts.h"
 #include "tools/bake/grid_contract.h"
+#include "tools/bake/grid_probes.h"
 #include "tools/bake/grid_report.h"
 #include "tools/bake/grid_result.h"
 #include "tools/bake/shards.h"
@@ -40,6 +41,7 @@ struct BakeGridOptions {
   GridContractOptions contract;
   CheckpointOptions checkpoint;
   ShardOptions shards;
+  ProbeBakeOptions probes;
 };
 
 Box3f local_box(const Imath::Box3d& box, const V3d& anchor_m) {
@@ -159,6 +161,7 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
     params.photon_range = {{0, 1}};  // some: which, is known with the photons of the whole
   }
   const bool contract = has_contract(options.contract, params);
+  check_probe_bake(options.probes, params, contract, options.checkpoint.is_given);
   if (contract && params.levels > 1) {
     throw UsageError(
         "--levels: a bake to an error chooses its levels itself; give --voxel-size or --resolution and --photons "
@@ -200,6 +203,7 @@ void run_bake_grid(const BakeGridOptions& options, const CommonOptions& common) 
       });
   if (!options.groups.empty()) params.groups = make_light_groups(input.lit.lights, *input.lit.scene, rules);
   if (contract) return run_contract(options, params, input, common);
+  if (options.probes) return run_probe_bake(options.output, options.probes, params, input, common);
   const Lattice& lattice = *params.lattice;
   if (const int threads = affordable_threads(input.lit, lattice, params); threads < params.threads) {
     print_note(common, fmt::format("note: {} threads instead of {}: each needs memory for the whole grid", threads,
@@ -328,6 +332,7 @@ void add_bake_grid_command(Command bake, CommonOptions& common) {
   command.add_choice("--guard", params.guard,
                      "Leak guard: rays and planes count only light that a vertex sees and store its\n"
                      "compact guard; off does neither");
+  add_probe_bake_options(command, options->probes);
   add_checkpoint_option(
       command, options->checkpoint,
       "Keeps what is done so far in OUT.checkpoint.vdb, so often and at Ctrl-C or SIGTERM: after whatever\n"

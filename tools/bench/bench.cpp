@@ -102,22 +102,30 @@ void run_lookup(const LookupBenchOptions& options, const CommonOptions& common) 
   LookupParams lookup;
   if (options.tricubic) lookup.interpolation = Interpolation::tricubic;
   const LookupBench bench = bench_lookup(grid, lit.intersector, lookup);
+  const auto line = [](const char* guard, const LookupFigure& figure) {
+    return fmt::format("  {:<21} {:>5.0f} ns one by one, {:>5.0f} ns batched\n", guard, figure.single_ns,
+                       figure.batched_ns);
+  };
   print_result(
       common,
       {{"scene", lit.scene->name},
-       {"lookup_off_ns", bench.off_ns},
-       {"lookup_planes_ns", bench.planes_ns},
-       {"lookup_rays_ns", bench.rays_ns},
+       {"lookup_off_ns", bench.off.single_ns},
+       {"lookup_planes_ns", bench.planes.single_ns},
+       {"lookup_rays_ns", bench.rays.single_ns},
+       {"batched_off_ns", bench.off.batched_ns},
+       {"batched_planes_ns", bench.planes.batched_ns},
+       {"batched_rays_ns", bench.rays.batched_ns},
        {"occlusion_ray_ns", bench.occlusion_ray_ns}},
-      fmt::format("{}: a look-up takes {:.0f} ns without guard, {:.0f} ns with the stored planes, {:.0f} ns with "
-                  "rays; one short occlusion ray takes {:.0f} ns\n",
-                  lit.scene->name, bench.off_ns, bench.planes_ns, bench.rays_ns, bench.occlusion_ray_ns));
+      fmt::format("{}: a look-up takes, on one thread\n{}{}{}  one short occlusion ray {:.0f} ns\n", lit.scene->name,
+                  line("without guard", bench.off), line("by the stored planes", bench.planes),
+                  line("by rays", bench.rays), bench.occlusion_ray_ns));
 }
 
 void add_lookup_bench(Command bench, CommonOptions& common) {
   Command command = bench.add_subcommand(
       "lookup",
-      "Time of one grid look-up (spatial and directional interpolation) on one thread, with each leak guard.");
+      "Time of one grid look-up (spatial and directional interpolation) on one thread, with each leak guard, one by\n"
+      "one and many at once.");
   auto options = std::make_shared<LookupBenchOptions>();
   command.add_option("SCENE", options->scene, "glTF file to bake and look up").required();
   command.add_option("--resolution", options->resolution, "Grid vertices");

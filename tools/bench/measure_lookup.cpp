@@ -9,6 +9,7 @@
 #include "tracer/core/sampler.h"
 #include "tracer/core/surface.h"
 #include "tracer/render/guard_rays.h"
+#include "tracer/render/guard_rays_batch.h"
 
 namespace ivory {
 namespace {
@@ -33,10 +34,10 @@ double median_ns(int rounds, std::size_t count, const Work& work) {
 
 }  // namespace
 
-std::vector<BenchPoint> surface_points(const GridFrame& frame, const Intersector& intersector, int count) {
-  std::vector<BenchPoint> points;
+SurfacePoints surface_points(const GridFrame& frame, const Intersector& intersector, int count) {
+  SurfacePoints points;
   RandomStream random(1, StreamPurpose::test, 0);
-  for (int tries = 0; points.size() < std::size_t(count) && tries < 100 * count; ++tries) {
+  for (int tries = 0; points.p.size() < std::size_t(count) && tries < 100 * count; ++tries) {
     const V3f a(random.next(), random.next(), random.next());
     const V3f b(random.next(), random.next(), random.next());
     const V3f from = frame.to_world(a * V3f(frame.size) - V3f(0.5F, 0.5F, 0.5F));
@@ -44,35 +45,46 @@ std::vector<BenchPoint> surface_points(const GridFrame& frame, const Intersector
     const V3f direction = (to - from).normalized();
     const auto hit = intersector.closest({.origin = from, .direction = direction});
     if (!hit) continue;
-    points.push_back({from + direction * hit->t, hit->ng.dot(direction) < 0 ? hit->ng : -hit->ng});
+    points.p.push_back(from + direction * hit->t);
+    points.n.push_back(hit->ng.dot(direction) < 0 ? hit->ng : -hit->ng);
   }
   return points;
 }
 
 LookupBench bench_lookup(const IrradianceGrid& grid, const Intersector& intersector, const LookupParams& lookup,
                          int lookups, int rounds) {
-  const std::vector<BenchPoint> points = surface_points(grid.frame, intersector, lookups);
-  if (points.empty())
+  const SurfacePoints points = surface_points(grid.frame, intersector, lookups);
+  const std::size_t count = points.p.size();
+  if (count == 0)
     throw Error(intersector.scene().name, "no surface was found inside the grid", "give the scene that was baked");
   // The results are kept, so that the compiler keeps the work.
-  std::vector<Rgb> results(points.size());
+  std::vector<Rgb> results(count);
   const auto look_up = [&](Guard guard) {
     LookupParams params = lookup;
     params.guard = guard;
-    return median_ns(rounds, points.size(), [&] {
-      for (std::size_t i = 0; i < points.size(); ++i)
-        results[i] = lookup_irradiance(grid, &intersector, points[i].p, points[i].n, points[i].n, params);
-    });
+    // In turn, so that what else the machine does comes to both.
+    std::vector<double> single;
+    std::vector<double> batched;
+    for (int round = 0; round < rounds; ++round) {
+      single.push_back(median_ns(1, count, [&] {
+        for (std::size_t i = 0; i < count; ++i)
+          results[i] = lookup_irradiance(grid, &intersector, points.p[i], points.n[i], points.n[i], params);
+      }));
+      batched.push_back(median_ns(1, count, [&] {
+        results = lookup_irradiance(grid, &intersector, {points.p, points.n}, points.n, params);
+      }));
+    }
+    return LookupFigure{median(single), median(batched)};
   };
   LookupBench bench;
-  bench.off_ns = look_up(Guard::off);
-  bench.planes_ns = look_up(Guard::planes);
-  bench.rays_ns = look_up(Guard::rays);
+  bench.off = look_up(Guard::off);
+  bench.planes = look_up(Guard::planes);
+  bench.rays = look_up(Guard::rays);
   const float voxel_m = grid.finest_frame().spacing_m.x;
-  bench.occlusion_ray_ns = median_ns(rounds, points.size(), [&] {
-    for (std::size_t i = 0; i < points.size(); ++i) {
+  bench.occlusion_ray_ns = median_ns(rounds, count, [&] {
+    for (std::size_t i = 0; i < count; ++i) {
       results[i].x = intersector.transmittance(
-          {.origin = offset_origin(points[i].p, points[i].n, points[i].n), .direction = points[i].n, .t_max = voxel_m});
+          {.origin = offset_origin(points.p[i], points.n[i], points.n[i]), .direction = points.n[i], .t_max = voxel_m});
     }
   });
   return bench;

@@ -8,17 +8,23 @@
 
 namespace ivory {
 
-// Where random lines through the grid's box meet surfaces: at most `count` points, in random order.
-struct BenchPoint {
-  V3f p;
-  V3f n;
+// Where random lines through the grid's box meet surfaces: at most `count` points, in random order, with unit normals.
+struct SurfacePoints {
+  std::vector<V3f> p;
+  std::vector<V3f> n;
 };
-std::vector<BenchPoint> surface_points(const GridFrame& frame, const Intersector& intersector, int count);
+SurfacePoints surface_points(const GridFrame& frame, const Intersector& intersector, int count);
+
+// Nanoseconds a point.
+struct LookupFigure {
+  double single_ns = 0;   // one after the other: grid/field/lookup.h
+  double batched_ns = 0;  // many at once: grid/field/batch/lookup.h
+};
 
 struct LookupBench {
-  double off_ns = 0;
-  double planes_ns = 0;
-  double rays_ns = 0;
+  LookupFigure off;
+  LookupFigure planes;
+  LookupFigure rays;
   double occlusion_ray_ns = 0;  // one Embree occlusion query as long as a voxel, for comparison
 };
 

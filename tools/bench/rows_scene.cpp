@@ -122,19 +122,19 @@ IrradianceGrid bake_box(const LitScene& lit, const BenchAllParams& params) {
 BenchRow lookup_row(Guard guard, const BenchAllParams& params) {
   const LitScene lit = make_lit_scene(make_box());
   const IrradianceGrid grid = bake_box(lit, params);
-  const std::vector<BenchPoint> points = surface_points(grid.frame, lit.intersector, int(scaled(50'000, params)));
-  std::vector<Rgb> results(points.size());  // kept, so that the compiler keeps the work
+  const SurfacePoints points = surface_points(grid.frame, lit.intersector, int(scaled(50'000, params)));
+  std::vector<Rgb> results(points.p.size());  // kept, so that the compiler keeps the work
   LookupParams lookup;
   lookup.guard = guard;
   const auto look_up = [&] {
-    for_each(points.size(), [&](std::size_t i) {
-      results[i] = lookup_irradiance(grid, &lit.intersector, points[i].p, points[i].n, points[i].n, lookup);
+    for_each(points.p.size(), [&](std::size_t i) {
+      results[i] = lookup_irradiance(grid, &lit.intersector, points.p[i], points.n[i], points.n[i], lookup);
     });
   };
   const std::size_t stride = grid.moments.size() / grid.frame.vertex_count();
   const auto read = [&] {
-    for_each(points.size(), [&](std::size_t i) {
-      const V3f at = grid.frame.to_index(points[i].p);
+    for_each(points.p.size(), [&](std::size_t i) {
+      const V3f at = grid.frame.to_index(points.p[i]);
       V3i low;
       for (int axis = 0; axis < 3; ++axis) low[axis] = std::clamp(int(at[axis]), 0, grid.frame.size[axis] - 2);
       float sum = 0;
@@ -147,7 +147,7 @@ BenchRow lookup_row(Guard guard, const BenchAllParams& params) {
       results[i].x = sum;
     });
   };
-  return measure_row(params, {"", "look-ups", "the eight vertices' numbers added up"}, double(points.size()), look_up,
+  return measure_row(params, {"", "look-ups", "the eight vertices' numbers added up"}, double(points.p.size()), look_up,
                      read);
 }
 

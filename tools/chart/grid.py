@@ -9,7 +9,8 @@ from steps import File, Out, Point, Step
 TITLE = "Indirect light: irradiance-vector grids, path tracing, photon maps"
 ABOUT = """Indirect light alone, the bake counted. Every picture is compared with two independent path-traced ones whose own noise is
 left out of the error (`ivory compare A REF REF2`), so that errors below that noise, the grey line, can be told too. `16 vertices` are
-those along the longest side; settings of curves are numbers of photons, samples or gather rays. Grids and photon maps are read at 16 samples a pixel, behind gather rays at
+those along the longest side; settings of curves are numbers of photons, samples, gather rays or
+paths a light probe. Grids and photon maps are read at 16 samples a pixel, behind gather rays at
 4: where curves run level in scenes of much detail, the samples of edges and highlights are the limit."""
 
 SIZE = {"rough": "32x24", "quick": "120x90", "full": "240x180"}
@@ -59,6 +60,12 @@ class Scene:
         return Step(("bake", "grid", self.file, *self.options, "--voxel-size", voxel, "--photons", photons, *options, Out("vdb")),
                     timed=True)
 
+    def probes(self, vertices, rays):
+        """The same vertices as light probes, path-traced one by one."""
+        voxel = f"{1.00001 * self.extent / vertices:.7g}"
+        return Step(("bake", "grid", self.file, *self.options, "--voxel-size", voxel, "--by", "probes", "--probe-rays", rays, Out("vdb")),
+                    timed=True)
+
     def render(self, method, samples, *options):
         return Step(("render", self.file, *self.options, "--method", method, "--samples", samples, "--size", self.size,
                      "--indirect-only", *options, Out("exr")), timed=True)
@@ -98,6 +105,9 @@ def scene_points(scene, suite):
     for vertices, photons in plan(suite):
         for n in photons:
             yield direct(f"grid, {vertices} vertices", n, scene.bake(vertices, n), join=True, method="grid as it comes")
+    for vertices, counts in ((16, (16, 64, 256, 1024)), (32, (16, 64, 256))) if full else ((16, (16, 64)),):
+        for rays in counts:
+            yield direct(f"light probes, {vertices} vertices", str(rays), scene.probes(vertices, rays), join=True, method="light probes")
     for vertices, photons in ((16, "500k"), (32, "2m")) if full else ((16, "400k"),):
         bake = scene.bake(vertices, photons)
         for rays in (4, 16, 64) if full else (4, 16):
@@ -139,7 +149,35 @@ def page_tables(records):
 
 def markdown_tables(records):
     return {"grid_front": tables.front_table(records), "grid_on_front": tables.on_front(records),
-            "grid_time": time_table(records), "grid_changes": changes_table(records)}
+            "grid_time": time_table(records), "grid_changes": changes_table(records), "grid_probes": probes_table(records)}
+
+
+def seconds_to(curve, nrmse):
+    """Time at which a series of (time, error), its noise falling, comes to that error: between its points by their logarithms; None
+    where it never does."""
+    points = sorted(curve)
+    if points and points[0][1] <= nrmse:
+        return points[0][0]
+    for (t0, e0), (t1, e1) in zip(points, points[1:]):
+        if e0 > nrmse >= e1 > 0:
+            return math.exp(math.log(t0) + math.log(t1 / t0) * math.log(nrmse / e0) / math.log(e1 / e0))
+    return None
+
+
+def probes_table(records):
+    """Time of photons to the error of light probes at the same vertices."""
+    rows = []
+    for r in records:
+        found = re.fullmatch("light probes, ([0-9]+) vertices", r["series"])
+        if not found or not r["nrmse"] > 0:
+            continue
+        photons = [(p["time_s"], p["nrmse"]) for p in records
+                   if p["panel"] == r["panel"] and p["series"] == f"grid, {found.group(1)} vertices"]
+        same = seconds_to(photons, r["nrmse"])
+        rows.append((r["panel"], f"{found.group(1)} vertices, {r['label']} paths each", tables.seconds(r["time_s"]),
+                     tables.percent(r["nrmse"]), tables.seconds(same) if same else "not reached",
+                     tables.number(r["time_s"] / same, 2) if same else "–"))
+    return tables.markdown(("scene", "light probes", "bake + picture", "NRMSE", "photons to the same", "ratio"), rows)
 
 
 def changes_table(records):

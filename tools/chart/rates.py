@@ -41,8 +41,9 @@ def rates(records):
                              f"{s['embree_rays_per_s'] / 1e6:.2f} M/s", s["embree_ratio"]))
         elif r["panel"] == "look-ups":
             for guard, name in (("off", "no guard"), ("planes", "stored planes"), ("rays", "rays")):
-                rows.append((f"one look-up, {name}", f"{result[f'lookup_{guard}_ns']:.0f} ns",
-                             f"one short occlusion ray: {result['occlusion_ray_ns']:.0f} ns", None))
+                for way, key in (("by itself", "lookup"), ("of many at once", "batched")):
+                    rows.append((f"one look-up {way}, {name}", f"{result[f'{key}_{guard}_ns']:.0f} ns",
+                                 f"one short occlusion ray: {result['occlusion_ray_ns']:.0f} ns", None))
         elif r["panel"] == "SH9":
             rows.append((f"SH9 of {result['width']}×{result['height']} pixels", f"{result['projection_gb_per_s']:.1f} GB/s",
                          f"adding the pixels up: {result['sum_gb_per_s']:.1f} GB/s", 1 / result["ratio"]))

@@ -8,6 +8,7 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include "grid/base/error.h"
@@ -16,7 +17,7 @@
 #include "tools/input/scene.h"
 #include "tools/input/vdb/load.h"
 #include "tools/probe/source.h"
-#include "tracer/render/guard_rays.h"
+#include "tracer/render/guard_rays_batch.h"
 
 namespace ivory {
 
@@ -69,17 +70,23 @@ ProbeEstimates probe_grid(const GridOptions& options, const ProbeRequest& reques
   constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
   std::atomic<std::int64_t> unmet = 0;
   std::atomic<std::int64_t> unseen = 0;
-  tbb::parallel_for(std::size_t(0), table.p.size(), [&](std::size_t i) {
-    const V3f& n = table.n[i];
-    const Footprint footprint = lookup_footprint(grid, intersector, points[i], n, params);
-    out.e[i] = irradiance(grid, footprint, n, params.reconstruction);
-    if (footprint.count == 0) {
-      ++unseen;
-    } else if (is_black(irradiance_standard_error(grid, footprint))) {
-      ++unmet;
+  // As many points at a time as lie close together, and yet every thread has some.
+  constexpr std::size_t grain = 4096;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), grain), [&](const auto& range) {
+    const auto part = [&](const std::vector<V3f>& all) { return std::span(all).subspan(range.begin(), range.size()); };
+    const std::vector<GridReading> readings =
+        lookup_readings(grid, intersector, {part(points), part(table.n)}, part(table.n), params, unmet_lux.value_or(0));
+    for (std::size_t k = 0; k < readings.size(); ++k) {
+      const GridReading& reading = readings[k];
+      out.e[range.begin() + k] = reading.e;
+      if (!reading.seen) {
+        ++unseen;
+      } else if (!reading.met) {
+        ++unmet;
+      }
+      out.standard_error[range.begin() + k] =
+          is_black(reading.standard_error) ? Rgb(unknown, unknown, unknown) : reading.standard_error;
     }
-    out.standard_error[i] = irradiance_standard_error(grid, footprint, unmet_lux.value_or(0));
-    if (is_black(out.standard_error[i])) out.standard_error[i] = Rgb(unknown, unknown, unknown);
   });
   const auto outside = std::count_if(points.begin(), points.end(), [&](const V3f& p) { return !grid.frame.covers(p); });
   if (scene) out.warnings = scene->warnings;

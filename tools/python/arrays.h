@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstring>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -57,11 +58,12 @@ std::vector<pybind11::ssize_t> common_shape(const Vectors& p, const Vectors& n);
 
 static_assert(sizeof(Rgb) == 3 * sizeof(float) && sizeof(V3f) == 3 * sizeof(float));
 
-// eval(p, n) for each pair of a position, less the anchor, and a unit normal, as an array of shape (..., 3) of floats,
-// on all of TBB's threads and without the GIL. Throws ParameterError for positions that are not finite and normals that
-// are no unit vectors (to a thousandth).
+// eval(positions, normals, values) for pairs of a position, less the anchor, and a unit normal, at most `grain` at a
+// time, as an array of shape (..., 3) of floats, on all of TBB's threads and without the GIL. Throws ParameterError for
+// positions that are not finite and normals that are no unit vectors (to a thousandth).
 template <typename Eval>
-pybind11::array_t<float> map_points(const Vectors& p, const Vectors& n, const V3d& anchor_m, const Eval& eval) {
+pybind11::array_t<float> map_blocks(const Vectors& p, const Vectors& n, const V3d& anchor_m, std::size_t grain,
+                                    const Eval& eval) {
   pybind11::array_t<float> out(common_shape(p, n));
   Rgb* const values = reinterpret_cast<Rgb*>(out.mutable_data());
   const std::size_t count = std::size_t(out.size()) / 3;
@@ -71,20 +73,32 @@ pybind11::array_t<float> map_points(const Vectors& p, const Vectors& n, const V3
   std::atomic<bool> bad_n = false;
   {
     const pybind11::gil_scoped_release free;
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 64), [&](const auto& range) {
-      for (std::size_t i = range.begin(); i < range.end(); ++i) {
-        const V3f point = p.local(i * p_step, anchor_m);
-        const V3f normal = n.local(i * n_step, V3d(0, 0, 0));
-        if (!std::isfinite(point.x + point.y + point.z)) bad_p = true;
-        if (!(std::abs(normal.length2() - 1) < 2e-3F)) bad_n = true;
-        if (bad_p || bad_n) return;
-        values[i] = eval(point, normal);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), [&](const auto& range) {
+      std::vector<V3f> points(range.size());
+      std::vector<V3f> normals(range.size());
+      for (std::size_t k = 0; k < range.size(); ++k) {
+        const std::size_t i = range.begin() + k;
+        points[k] = p.local(i * p_step, anchor_m);
+        normals[k] = n.local(i * n_step, V3d(0, 0, 0));
+        if (!std::isfinite(points[k].x + points[k].y + points[k].z)) bad_p = true;
+        if (!(std::abs(normals[k].length2() - 1) < 2e-3F)) bad_n = true;
       }
+      if (bad_p || bad_n) return;
+      eval(std::span<const V3f>(points), std::span<const V3f>(normals), values + range.begin());
     });
   }
   if (bad_p) throw ParameterError(p.name(), "some positions are not finite");
   if (bad_n) throw ParameterError(n.name(), "normals must be unit vectors");
   return out;
+}
+
+// The same by eval(p, n) for each pair.
+template <typename Eval>
+pybind11::array_t<float> map_points(const Vectors& p, const Vectors& n, const V3d& anchor_m, const Eval& eval) {
+  constexpr std::size_t grain = 64;
+  return map_blocks(p, n, anchor_m, grain, [&](std::span<const V3f> points, std::span<const V3f> normals, Rgb* values) {
+    for (std::size_t i = 0; i < points.size(); ++i) values[i] = eval(points[i], normals[i]);
+  });
 }
 
 // The same for what depends on normals alone.

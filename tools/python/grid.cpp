@@ -1,6 +1,8 @@
 // ivory.Grid: a baked irradiance-vector grid, its numbers and its look-ups.
+#include <algorithm>
 #include <limits>
 #include <map>
+#include <span>
 #include <variant>
 
 #include <pybind11/pybind11.h>
@@ -19,7 +21,7 @@
 #include "tools/python/arrays.h"
 #include "tools/python/assets.h"
 #include "tools/python/work.h"
-#include "tracer/render/guard_rays.h"
+#include "tracer/render/guard_rays_batch.h"
 
 namespace ivory::python {
 
@@ -65,6 +67,9 @@ const IrradianceGrid& grid_in_scene(const GridAsset& grid, const SceneAsset& sce
 
 namespace {
 
+// As many as lie close together, and yet every thread has some.
+constexpr std::size_t points_a_task = 4096;
+
 // What a look-up reads from, and how.
 struct Reader {
   const IrradianceGrid* grid = nullptr;
@@ -92,9 +97,12 @@ py::array_t<float> read_irradiance(const GridAsset& grid, const py::object& p, c
   Reader reader;
   prepare(reader, grid, scene, {guard, interpolation, reconstruction, nudge});
   const IrradianceGrid& data = *reader.grid;
-  return map_points(Vectors(p, "p"), Vectors(n, "n"), data.anchor_m, [&](const V3f& point, const V3f& normal) {
-    return lookup_irradiance(data, reader.intersector, point, normal, normal, reader.params);
-  });
+  return map_blocks(Vectors(p, "p"), Vectors(n, "n"), data.anchor_m, points_a_task,
+                    [&](std::span<const V3f> points, std::span<const V3f> normals, Rgb* values) {
+                      const std::vector<Rgb> e =
+                          lookup_irradiance(data, reader.intersector, {points, normals}, normals, reader.params);
+                      std::copy(e.begin(), e.end(), values);
+                    });
 }
 
 py::array_t<float> read_error(const GridAsset& grid, const py::object& p, const py::object& n, const SceneAsset* scene,
@@ -104,11 +112,14 @@ py::array_t<float> read_error(const GridAsset& grid, const py::object& p, const 
   const IrradianceGrid& data = *reader.grid;
   const float unmet_lux = unmet_bound_lux(data).value_or(0);
   constexpr float unknown = std::numeric_limits<float>::quiet_NaN();
-  return map_points(Vectors(p, "p"), Vectors(n, "n"), data.anchor_m, [&](const V3f& point, const V3f& normal) {
-    const Footprint footprint = lookup_footprint(data, reader.intersector, point, normal, reader.params);
-    const Rgb error = irradiance_standard_error(data, footprint, unmet_lux);
-    return is_black(error) ? Rgb(unknown, unknown, unknown) : error;
-  });
+  return map_blocks(Vectors(p, "p"), Vectors(n, "n"), data.anchor_m, points_a_task,
+                    [&](std::span<const V3f> points, std::span<const V3f> normals, Rgb* values) {
+                      for (const GridReading& reading : lookup_readings(data, reader.intersector, {points, normals},
+                                                                        normals, reader.params, unmet_lux)) {
+                        const Rgb& error = reading.standard_error;
+                        *values++ = is_black(error) ? Rgb(unknown, unknown, unknown) : error;
+                      }
+                    });
 }
 
 py::array_t<double> vertex_positions(const GridAsset& grid) {

@@ -40,26 +40,31 @@ VisibleEntries visible_by_rays(const IrradianceGrid& grid, const Intersector& in
 
 }  // namespace
 
+LookupPoint point_by_rays(const IrradianceGrid& grid, const Intersector& intersector, const V3f& p, const V3f& ng,
+                          const LookupParams& params) {
+  LookupParams reach = params;
+  if (params.interpolation == Interpolation::fitted) reach.nudge_voxels += 1;
+  const float t_max = 2 * nudge_m(grid.frame, reach);  // of the coarsest level
+  V3f origin = offset_origin(p, ng, ng);
+  auto ahead =
+      intersector.closest({.origin = origin, .direction = ng, .t_max = t_max, .blocking_coverage = half_coverage});
+  if (ahead && is_own_surface(intersector.scene(), *ahead, ahead->t, ng)) {
+    origin = offset_origin(p, ng, ng, triangle_reach_m(intersector.scene(), ahead->instance, ahead->triangle));
+    ahead =
+        intersector.closest({.origin = origin, .direction = ng, .t_max = t_max, .blocking_coverage = half_coverage});
+  }
+  return {.p = origin,
+          .ng = ng,
+          .nudge_voxels = params.nudge_voxels,
+          .most_m = ahead ? ahead->t / 2 : std::numeric_limits<float>::infinity()};
+}
+
 Footprint lookup_footprint(const IrradianceGrid& grid, const Intersector* intersector, const V3f& p, const V3f& ng,
                            const LookupParams& params) {
   if (params.guard != Guard::rays) return lookup_footprint(grid, p, ng, params);
   assert(intersector != nullptr);
   const bool fitted = params.interpolation == Interpolation::fitted;
-  LookupParams reach = params;
-  if (fitted) reach.nudge_voxels += 1;
-  const float t_max = 2 * nudge_m(grid.frame, reach);  // of the coarsest level
-  V3f origin = offset_origin(p, ng, ng);
-  auto ahead =
-      intersector->closest({.origin = origin, .direction = ng, .t_max = t_max, .blocking_coverage = half_coverage});
-  if (ahead && is_own_surface(intersector->scene(), *ahead, ahead->t, ng)) {
-    origin = offset_origin(p, ng, ng, triangle_reach_m(intersector->scene(), ahead->instance, ahead->triangle));
-    ahead =
-        intersector->closest({.origin = origin, .direction = ng, .t_max = t_max, .blocking_coverage = half_coverage});
-  }
-  const LookupPoint at{.p = origin,
-                       .ng = ng,
-                       .nudge_voxels = params.nudge_voxels,
-                       .most_m = ahead ? ahead->t / 2 : std::numeric_limits<float>::infinity()};
+  const LookupPoint at = point_by_rays(grid, *intersector, p, ng, params);
   const auto visible = [&](const Footprint& footprint, const Footprint* /*near*/) {
     return visible_by_rays(grid, *intersector, at, footprint);
   };

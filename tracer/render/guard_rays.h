@@ -7,6 +7,11 @@
 
 namespace ivory {
 
+// Where a look-up by rays at surface point p reads: off its own surface, and no farther than halfway to what is in
+// front.
+LookupPoint point_by_rays(const IrradianceGrid& grid, const Intersector& intersector, const V3f& p, const V3f& ng,
+                          const LookupParams& params);
+
 // As the functions of the same name in grid/field/lookup.h, for every guard. With rays, p is nudged no farther than
 // halfway to whatever stands in front of it. `intersector` may be null unless params.guard is rays.
 Footprint lookup_footprint(const IrradianceGrid& grid, const Intersector* intersector, const V3f& p, const V3f& ng,

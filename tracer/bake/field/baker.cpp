@@ -36,12 +36,12 @@ std::string text_of(const std::vector<Box3f>& boxes, const V3d& anchor) {
   return text.empty() ? "none" : text;
 }
 
-// What is known before a photon flies.
-Metadata describe(const Scene& scene, const GridBakeParams& params, const Lattice& lattice, std::uint64_t photons) {
+}  // namespace
+
+Metadata grid_facts(const Scene& scene, const GridBakeParams& params, const Lattice& lattice) {
   Metadata m;
   m["method"] = std::string("irradiance grid");
   m["basis"] = std::string(name_of(params.basis));
-  m["estimator"] = std::string(name_of(params.estimator));
   if (params.groups) {
     std::vector<std::string> of_lamp;
     for (std::size_t i = 0; i < scene.lights.size(); ++i)
@@ -49,7 +49,6 @@ Metadata describe(const Scene& scene, const GridBakeParams& params, const Lattic
     if (!of_lamp.empty()) m[lamp_groups_key] = fmt::format("{}", fmt::join(of_lamp, " "));
   }
   m["guard"] = std::string(params.guard == Guard::off ? "off" : "on");  // rays and planes bake the same
-  m["photons"] = static_cast<std::int64_t>(photons);
   m["max_bounces"] = static_cast<std::int64_t>(params.max_bounces);
   m["seed"] = static_cast<std::int64_t>(params.seed);
   m["scene"] = scene.name;
@@ -70,6 +69,16 @@ Metadata describe(const Scene& scene, const GridBakeParams& params, const Lattic
     m["level_vertices"] = counts;
   }
   m["units"] = std::string("lux");
+  return m;
+}
+
+namespace {
+
+// What is known before a photon flies.
+Metadata describe(const Scene& scene, const GridBakeParams& params, const Lattice& lattice, std::uint64_t photons) {
+  Metadata m = grid_facts(scene, params, lattice);
+  m["estimator"] = std::string(name_of(params.estimator));
+  m["photons"] = static_cast<std::int64_t>(photons);
   m["sum_slots"] = static_cast<std::int64_t>(sum_layout(params.basis, params.estimator).slots);
   m["emission"] = std::string(name_of(params.emission));
   return m;

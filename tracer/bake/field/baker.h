@@ -19,4 +19,7 @@ namespace ivory {
 GridAccumulator bake_grid_sums(const LitScene& lit, const GridBakeParams& params,
                                std::optional<GridAccumulator> at_hand = std::nullopt);
 
+// What a grid file says of its making, whatever its light was found by.
+Metadata grid_facts(const Scene& scene, const GridBakeParams& params, const Lattice& lattice);
+
 }  // namespace ivory

@@ -165,7 +165,6 @@ std::uint32_t Intersector::visible(const V3f& origin, const std::array<V3f, 8>& 
     rays.flags[i] = 0;
   }
   RayContext context = make_context({}, lines.data());
-  context.embree.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
   context.blocking_coverage = half_coverage;
   rtcOccluded8(active.data(), state_->top, &context.embree, &rays);
   std::uint32_t bits = 0;
