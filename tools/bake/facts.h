@@ -19,8 +19,8 @@
 
 namespace ivory {
 
-// Of a grid: leaves the scene's facts, and with a contract the certificate, in the metadata of the sums or the grid, to be
-// written with them. `domain` is where the error was asked for, or "points"; `asked`: was a target given?
+// Of a grid: leaves the scene's facts, and with a contract the certificate, in the metadata of the sums or the grid, to
+// be written with them. `domain` is where the error was asked for, or "points"; `asked`: was a target given?
 void keep_origin(const Metadata& origin, GridVertices& grid);
 void keep_contract(ContractResult& result, const std::string& domain, bool asked,
                    const std::optional<double>& most_seconds);

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "grid/base/error.h"
-#include "tools/bake/grid_result.h"
+#include "tools/bake/grid/result.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
 #include "tools/input/vdb/load.h"

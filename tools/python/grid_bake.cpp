@@ -8,7 +8,7 @@
 
 #include "grid/base/anchor.h"
 #include "grid/io/vdb/vdb.h"
-#include "tools/bake/grid_contract.h"
+#include "tools/bake/grid/contract.h"
 #include "tools/cli/target_error.h"
 #include "tools/python/arrays.h"
 #include "tools/python/assets.h"

@@ -332,7 +332,7 @@ void add_render_command(Command app, CommonOptions& common) {
       "\nExamples:\n"
       "  ivory render room.glb -o room.exr -o room.png --samples 256\n"
       "  ivory render room.glb -o room.exr --target-error 2%
-"
+      "
       "  ivory render room.glb -o room.png --method gather --grid room.vdb --samples 64");
   set_action(command, common, Output::file, [command, options, methods, &common] {
     check(command, options->quality);

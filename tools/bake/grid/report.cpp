@@ -1,10 +1,10 @@
-#include "tools/bake/grid_report.h"
+#include "tools/bake/grid/report.h"
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
-#include "tools/bake/report_pictures.h"
+#include "tools/bake/grid/report_pictures.h"
 #include "tools/cli/numbers.h"
 #include "tools/cli/target_error.h"
 #include "tools/view/draw/colormap.h"

@@ -1,6 +1,5 @@
 // ivory bake grid: photons through a scene into an irradiance-vector grid.
 #include <chrono>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -12,11 +11,12 @@
 #include "grid/io/vdb/vdb.h"
 #include "tools/bake/checkpoint.h"
 #include "tools/bake/facts.h"
-#include "tools/bake/grid_contract.h"
-#include "tools/bake/grid_probes.h"
-#include "tools/bake/grid_report.h"
-#include "tools/bake/grid_result.h"
-#include "tools/bake/shards.h"
+#include "tools/bake/grid/contract.h"
+#include "tools/bake/grid/parse.h"
+#include "tools/bake/grid/probes.h"
+#include "tools/bake/grid/report.h"
+#include "tools/bake/grid/result.h"
+#include "tools/bake/grid/shards.h"
 #include "tools/cli/box.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/common.h"
@@ -46,46 +46,6 @@ struct BakeGridOptions {
 
 Box3f local_box(const Imath::Box3d& box, const V3d& anchor_m) {
   return {to_local(box.min, anchor_m), to_local(box.max, anchor_m)};
-}
-
-std::vector<Imath::Box3d> parse_regions(const std::vector<std::string>& texts) {
-  std::vector<Imath::Box3d> regions;
-  if (texts == std::vector<std::string>{"none"}) return regions;
-  for (const std::string& text : texts)
-    regions.push_back(parse_box("--dynamic", text, "none or a box X0,Y0,Z0:X1,Y1,Z1"));
-  return regions;
-}
-
-// "hall=Lamp*,Neon*"; `extras` alone: no rule.
-std::vector<LightGroupRule> parse_groups(const std::vector<std::string>& texts) {
-  std::vector<LightGroupRule> rules;
-  for (const std::string& text : texts) {
-    if (text == "extras") continue;
-    const std::size_t equals = text.find('=');
-    if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
-      throw UsageError("--groups: '" + text + "' is neither GROUP=PATTERN,... nor extras");
-    LightGroupRule rule{text.substr(0, equals), {}};
-    std::istringstream patterns(text.substr(equals + 1));
-    for (std::string pattern; std::getline(patterns, pattern, ',');) rule.patterns.push_back(pattern);
-    rules.push_back(std::move(rule));
-  }
-  return rules;
-}
-
-// "area,sky".
-DirectSources parse_direct(const std::string& text) {
-  DirectSources direct;
-  std::istringstream names(text);
-  for (std::string name; std::getline(names, name, ',');) {
-    bool* const source = name == "punctual" ? &direct.punctual
-                         : name == "area"   ? &direct.area
-                         : name == "sky"    ? &direct.sky
-                                            : nullptr;
-    if (source == nullptr) throw UsageError("--direct-of: '" + name + "' is none of punctual, area, sky");
-    *source = true;
-  }
-  if (!direct) throw UsageError("--direct-of: names no kind; give some of punctual, area, sky");
-  return direct;
 }
 
 // The input's first.

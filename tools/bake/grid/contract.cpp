@@ -1,4 +1,4 @@
-#include "tools/bake/grid_contract.h"
+#include "tools/bake/grid/contract.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "tools/bake/grid_result.h"
+#include "tools/bake/grid/result.h"
 
 #include <algorithm>
 #include <filesystem>

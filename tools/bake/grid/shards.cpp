@@ -1,4 +1,4 @@
-#include "tools/bake/shards.h"
+#include "tools/bake/grid/shards.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "tools/bake/grid_probes.h"
+#include "tools/bake/grid/probes.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,4 +1,4 @@
-#include "tools/bake/report_pictures.h"
+#include "tools/bake/grid/report_pictures.h"
 
 #include <algorithm>
 #include <array>
