@@ -331,8 +331,7 @@ void add_render_command(Command app, CommonOptions& common) {
       "sets, occluders, cube maps. Neither counts loading the scene and writing the picture.\n"
       "\nExamples:\n"
       "  ivory render room.glb -o room.exr -o room.png --samples 256\n"
-      "  ivory render room.glb -o room.exr --target-error 2%
-      "
+      "  ivory render room.glb -o room.exr --target-error 2%\n"
       "  ivory render room.glb -o room.png --method gather --grid room.vdb --samples 64");
   set_action(command, common, Output::file, [command, options, methods, &common] {
     check(command, options->quality);
