@@ -31,7 +31,7 @@ std::vector<AssetKind> make_kinds() {
                    true,
                    true,
                    30});
-  kinds.push_back({"cubemap", {"bake", "cubemap"}, ".exr", {scene, env, grid}, {"output"}, lit, 1, true, true, 5});
+  kinds.push_back({"cubemap", {"bake", "cubemap"}, ".exr", {scene, env, grid}, {"output"}, lit, 2, true, true, 5});
   kinds.push_back(
       {"lightmap", {"bake", "lightmap"}, ".exr", {scene, env, grid}, {"output"}, lit, 2, true, false, 20, {1}});
   kinds.push_back({"fiv", {"bake", "fiv"}, ".exr", {mesh, env}, {"output"}, shape_only, 1, true, true, 8});
