@@ -75,7 +75,7 @@ TEST_F(Lightmaps, AreWhatPathsSay) {
     }
   }
   ProbeParams probe;
-  probe.samples = 64;
+  probe.samples = 256;
   const std::vector<ProbeResult> truth = probe_scene(lit, points, probe);
   double squares = 0;
   double noise = 0;

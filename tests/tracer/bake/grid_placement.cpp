@@ -93,7 +93,7 @@ TEST(GridThreads, AreAsManyAsMemoryHolds) {
   const LitScene lit = make_lit_scene(scene);
   const GridAccumulator free = bake(scene, params);
   params.threads = 1000;
-  params.max_memory_bytes = 2'000'000;  // 1000 threads would need 200 MB
+  params.max_memory_bytes = 40'000'000;  // 1000 threads would need 2 GB and more
   const int threads = affordable_threads(lit, frame, params);
   EXPECT_GE(threads, 1);
   EXPECT_LT(threads, 20);

@@ -191,6 +191,7 @@ Accumulator direct_at(Scene scene, const V3f& p, const V3f& n, int samples) {
   surface.p = p;
   surface.ng = surface.ns = n;
   surface.diffuse_albedo = Rgb(1, 1, 1);
+  surface.specular_f90 = Rgb(0, 0, 0);  // Lambertian
   surface.reach_m = triangle_reach_m(*lit.scene, 0, 0);
   const Bsdf bsdf = make_bsdf(surface);
   return collect(samples, [&](RandomStream& random) {

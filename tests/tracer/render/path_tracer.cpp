@@ -202,6 +202,27 @@ TEST(Render, ReportsProgressToTheEnd) {
   EXPECT_EQ(last, 1);
 }
 
+// What is left of diffuse light on a surface whose shading normal leans away from ng: of the cosine around ns the part
+// below ng is lost, and above it light fades as Chiang, Li & Burley (2019) have it. By 1000 x 1000 directions, which
+// the fade's kink costs less than 1e-5.
+double left_by_leaning(const V3f& ng, const V3f& ns) {
+  constexpr int side = 1000;
+  const V3f x = ns.cross(std::abs(ns.x) < 0.5F ? V3f(1, 0, 0) : V3f(0, 1, 0)).normalized();
+  const V3f y = ns.cross(x);
+  double sum = 0;
+  for (int i = 0; i < side; ++i) {
+    const float cosine = std::sqrt((float(i) + 0.5F) / side);
+    const float sine = std::sqrt(1 - cosine * cosine);
+    for (int k = 0; k < side; ++k) {
+      const float phi = 2 * pi * (float(k) + 0.5F) / side;
+      const V3f w = x * (sine * std::cos(phi)) + y * (sine * std::sin(phi)) + ns * cosine;
+      const double g = std::clamp(double(w.dot(ng)) / (double(cosine) * double(ns.dot(ng))), 0.0, 1.0);
+      sum += g + g * g - g * g * g;
+    }
+  }
+  return sum / (double(side) * side);
+}
+
 // Interpolated normals lean away from the eye near silhouettes; a white surface in white surroundings must
 // not show that as black.
 TEST(PathTracer, LeaningNormalsStayLit) {
@@ -220,10 +241,10 @@ TEST(PathTracer, LeaningNormalsStayLit) {
     EXPECT_GT(surface.ns.dot(-ray.direction), 0);
     EXPECT_GT(surface.ns.dot(surface.ng), 0);
     EXPECT_NEAR(surface.ns.length(), 1, 1e-6F);
-    // Of the cosine around ns the share (1 - ns.ng)/2 lies below ng and is lost.
-    const double lost = 0.5 * (1 - double(surface.ns.dot(surface.ng)));
+    const double left = left_by_leaning(surface.ng, surface.ns);
+    EXPECT_LE(left, 0.5 * (1 + double(surface.ns.dot(surface.ng))) + 1e-5);  // what is above the facet
     const Accumulator l = path_samples(lit, ray, {}, 20000);
-    EXPECT_LT(std::abs(z_score(l, 1 - lost)), z_limit) << height;
+    EXPECT_LT(std::abs(z_score(l, left)), z_limit) << height;
   }
 }
 
