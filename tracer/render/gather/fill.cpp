@@ -19,8 +19,10 @@ constexpr float enough_coverage = 0.5F;
 constexpr std::size_t batch = 64;
 constexpr int coarsest_step = 32;  // pixels
 constexpr int tile = 16;           // pixels
-// Rays for records in a tile, as a share of those that its samples would gather.
+// Rays for records in a tile, as a share of those that its samples would gather, or that 64 rays a pixel would: what no
+// record serves is as noisy as its few samples leave it, beside what has no noise.
 constexpr double share_of_rays = 0.5;
+constexpr int least_rays_a_pixel = 64;
 // Of pixels, the least and the most radius of a record.
 constexpr float least_pixels = 1.5F;
 constexpr float most_pixels = 80;
@@ -44,7 +46,8 @@ class Filler {
         tiles_across_((view.width + tile - 1) / tile),
         rays_in_tile_(std::size_t(tiles_across_) * std::size_t((view.height + tile - 1) / tile), 0),
         filled_{IrradianceCache(lit.intersector.center(), lit.intersector.radius_m())} {
-    most_rays_in_tile_ = std::int64_t(share_of_rays * tile * tile * params.samples * params.gather_rays);
+    most_rays_in_tile_ =
+        std::int64_t(share_of_rays * tile * tile * std::max(params.samples * params.gather_rays, least_rays_a_pixel));
   }
 
   FilledCache fill() {

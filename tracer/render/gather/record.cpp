@@ -41,8 +41,9 @@ IrradianceRecord make_record(const V3f& p, const V3f& n, const Hemisphere& hemis
   const float slope = change.length();
   if (slope > 0) radius = std::min(radius, most_change * scale / slope);
   r.radius_m = std::max(radius, limits.least_radius_m);
-  // In contacts, where a record is larger than its gradient bears, the gradient gives way.
-  if (const float most = most_change * scale / r.radius_m; slope > most) {
+  // In contacts, where a record is larger than its gradient bears, the gradient gives way; by the record's own E,
+  // beside which errors of dark places are seen even where most of the picture is lit.
+  if (const float most = most_change * luminance(r.e) / r.radius_m; slope > most) {
     for (V3f& gradient : r.gradient) gradient *= most / slope;
   }
   for (int k = 0; k < coarse_sectors; ++k) {
