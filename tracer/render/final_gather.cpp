@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tracer/render/crossings.h"
 #include "tracer/render/guard_rays.h"
 
 // At a surface x seen from wo, reflected light splits by lobe and by how far its light has come:
@@ -12,6 +13,7 @@
 //                                        1/N sum f_d cos/p L_r(y)  gathered at the hits y of N rays
 //     + indirect light, specular lobe    f_s cos/p L_r(y)          the BSDF ray again, shaded at its hit y
 //
+// Of the surfaces of part coverage that the eye's ray crosses each is seen so, with its weight (crossings.h).
 // L_r(y) is what y reflects, by the same sum with stored light at its diffuse lobe. What y emits is left out:
 // to x that is direct light.
 
@@ -22,6 +24,16 @@ namespace {
 // Random numbers of a gather ray that are spread evenly over all gather rays of a pixel: its direction,
 // coverage, and the light (which, where on it) at its hit.
 constexpr std::uint32_t even_calls = 5;
+// And of each surface that the eye sees: of its direct light, of each light, and of the ray that it sends on.
+enum Part : std::uint32_t { lights, way_on, is_seen, count };
+constexpr std::uint32_t most_even_calls = 8;
+
+// Surfaces of less weight than this are looked at now and then, for more.
+constexpr float least_share = 1.0F / 32;
+
+void begin_part(RandomStream& random, int place, std::uint32_t part) {
+  random.begin_part(std::uint32_t(place) * Part::count + part, most_even_calls);
+}
 
 struct Gatherer {
   const LitScene& lit;
@@ -54,7 +66,7 @@ struct Gatherer {
     if (!hit) return {};
     const Surface y = make_surface(*lit.scene, ray, *hit);
     const bool near = near_bounces > 0 && indirect.spacing_m && hit->t < indirect.spacing_m(y.p);
-    return {reflected(y, -ray.direction, /*first=*/false, random, near ? near_bounces : 0),
+    return {reflected(y, -ray.direction, behind_the_eye, random, near ? near_bounces : 0),
             1 / std::max(hit->t, 1e-20F)};
   }
 
@@ -77,9 +89,10 @@ struct Gatherer {
     return gathered(surface, bsdf, wo, random);
   }
 
-  // Radiance that the surface reflects towards wo; `first` for the first surface seen. With near_bounces above 0 it
-  // lies too near to something for stored light.
-  Rgb reflected(const Surface& first_surface, const V3f& first_wo, bool first, RandomStream& random,
+  // Radiance that the surface reflects towards wo. `place` is its place among those that the eye's ray crosses, or
+  // behind_the_eye for others. With near_bounces above 0 it lies too near to something for stored light.
+  static constexpr int behind_the_eye = -1;
+  Rgb reflected(const Surface& first_surface, const V3f& first_wo, int place, RandomStream& random,
                 int near_bounces = 0) const {
     Rgb radiance(0, 0, 0);
     Rgb throughput(1, 1, 1);
@@ -87,9 +100,12 @@ struct Gatherer {
     V3f wo = first_wo;
     for (int bounce = 0; bounce < params.max_specular_bounces; ++bounce) {
       const Bsdf bsdf = make_bsdf(surface);
-      const bool seen_first = first && bounce == 0;
+      const bool seen_first = place != behind_the_eye && bounce == 0;
       const bool counts_direct = !(seen_first && params.indirect_only);
-      if (counts_direct) radiance += throughput * sample_direct(lit, surface, bsdf, wo, params.strategy, random);
+      // Most noise is that of the surfaces seen: they are lit by each light, others by one.
+      const DirectSampling sampling(params.strategy, seen_first ? LightPick::each : LightPick::one);
+      if (seen_first) begin_part(random, place, Part::lights);
+      if (counts_direct) radiance += throughput * sample_direct(lit, surface, bsdf, wo, sampling, random);
       if (seen_first && params.gather_rays > 0) {
         radiance += throughput * gathered_or_cached(surface, bsdf, wo, random);
       } else if (bounce == 0 && near_bounces > 0) {
@@ -101,6 +117,7 @@ struct Gatherer {
       const bool looks_for_light = counts_direct && lit.lights.has_extended();
       const bool reflects = !is_lambertian(bsdf);
       if (!looks_for_light && !reflects) break;
+      if (seen_first) begin_part(random, place, Part::way_on);
       const float u_lobe = random.next();
       const std::optional<BsdfSample> s =
           sample(bsdf, wo, u_lobe, random.next2(), looks_for_light ? Lobes::all : Lobes::specular);
@@ -121,7 +138,7 @@ struct Gatherer {
       if (!hit) {
         if (looks_for_light) {
           radiance += throughput * s->throughput * lit.lights.environment_radiance(s->wi) *
-                      environment_weight(lit.lights, receiver_at(surface), s->wi, s->pdf_solid_angle, params.strategy);
+                      environment_weight(lit.lights, receiver_at(surface), s->wi, s->pdf_solid_angle, sampling);
         }
         break;
       }
@@ -130,7 +147,7 @@ struct Gatherer {
       wo = -s->wi;
       if (looks_for_light && !is_black(surface.emission)) {
         radiance += throughput * s->throughput * surface.emission *
-                    emission_weight(lit.lights, from, *hit, s->pdf_solid_angle, params.strategy);
+                    emission_weight(lit.lights, from, *hit, s->pdf_solid_angle, sampling);
       }
       if (is_black(specular)) break;
       throughput = specular;
@@ -159,13 +176,24 @@ IndirectLight indirect_light(const LitScene& lit, const GridLight& grid) {
 
 Rgb trace_gather(const LitScene& lit, const IndirectLight& indirect, const Ray& ray, const GatherParams& params,
                  RandomStream& random) {
-  const std::optional<Hit> hit = lit.intersector.closest(ray);
-  if (!hit) return params.indirect_only ? Rgb(0, 0, 0) : lit.lights.environment_radiance(ray.direction);
-  const Surface surface = make_surface(*lit.scene, ray, *hit);
+  const Crossings crossings = cross_surfaces(lit, ray);
+  Rgb radiance(0, 0, 0);
+  if (crossings.beyond > 0 && !params.indirect_only)
+    radiance = lit.lights.environment_radiance(ray.direction) * crossings.beyond;
   const bool emits = params.count_first_emission && !params.indirect_only;
-  const Rgb emission = emits ? surface.emission : Rgb(0, 0, 0);
   const Gatherer gatherer{lit, indirect, params};
-  return emission + gatherer.reflected(surface, -ray.direction, /*first=*/true, random);
+  for (std::size_t i = 0; i < crossings.count; ++i) {
+    const Surface surface = make_surface(*lit.scene, ray, crossings.seen[i].hit);
+    float weight = crossings.seen[i].weight;
+    if (emits) radiance += surface.emission * weight;
+    if (weight < least_share) {
+      begin_part(random, int(i), Part::is_seen);
+      if (!(random.next() * least_share < weight)) continue;
+      weight = least_share;
+    }
+    radiance += gatherer.reflected(surface, -ray.direction, int(i), random) * weight;
+  }
+  return radiance;
 }
 
 Rgb trace_gather(const LitScene& lit, const GridLight& grid, const Ray& ray, const GatherParams& params,
@@ -176,7 +204,7 @@ Rgb trace_gather(const LitScene& lit, const GridLight& grid, const Ray& ray, con
 Rgb gather_irradiance(const LitScene& lit, const IndirectLight& indirect, const Surface& white,
                       const GatherParams& params, RandomStream& random) {
   const Gatherer gatherer{lit, indirect, params};
-  return gatherer.reflected(white, white.ns, /*first=*/true, random) * pi;
+  return gatherer.reflected(white, white.ns, /*place=*/0, random) * pi;
 }
 
 GatheredLight gather_light(const LitScene& lit, const IndirectLight& indirect, const Ray& ray,

@@ -8,6 +8,7 @@
 
 #include "tests/support/lit_scene.h"
 #include "tracer/core/sampling.h"
+#include "tracer/render/final_gather.h"
 
 namespace ivory {
 namespace {
@@ -69,6 +70,34 @@ TEST(Crossings, ManySheetsKeepTheMean) {
   const LitScene lit = make_lit_scene(std::move(scene));
   const Accumulator seen = seen_by(lit, ray_to({0.1F, 0.2F, 3}, {0.1F, 0.3F, 0}), {}, 50'000);
   EXPECT_LT(std::abs(z_score(seen, truth)), z_limit);
+}
+
+// Matt sheets under a sun that shines through them, as final gather and the path tracer see them: sheet i has the
+// weight w_i = a_i prod (1 - a_j) and the sun's light by the share prod (1 - a_j) of those before it. Nothing is left
+// to chance but sheets of less than a thirty-second, here the fifth.
+TEST(Crossings, FinalGatherLightsEachSheet) {
+  constexpr float albedo = 0.5F;
+  constexpr float sun_lux = 100;
+  Scene scene;
+  double truth = 0;
+  double passes = 1;
+  for (const float alpha : {0.5F, 0.4F, 0.6F, 0.5F, 0.3F}) {
+    const auto place = -float(scene.meshes.size());
+    add_mesh(scene,
+             make_quad({-20, -20, place}, {40, 0, 0}, {0, 40, 0}, add_blend(scene, alpha, Rgb(1, 1, 1) * albedo)));
+    truth += passes * double(alpha) * double(albedo) / double(pi) * double(sun_lux) * passes;
+    passes *= 1 - double(alpha);
+  }
+  scene.lights.push_back(DirectionalLight{V3f(0, 0, -1), Rgb(1, 1, 1) * sun_lux});
+  const LitScene lit = make_lit_scene(std::move(scene));
+  const IndirectLight none([](const Surface&) { return Rgb(0, 0, 0); });
+  const Accumulator seen = collect(4000, [&](RandomStream& random) {
+    Ray ray = ray_to({0.1F, 0.2F, 3}, {0.1F, 0.3F, 0});
+    ray.coverage_seed = random.next_u32();
+    return trace_gather(lit, none, ray, {}, random);
+  });
+  EXPECT_LT(std::abs(z_score(seen, truth)), z_limit);
+  EXPECT_LT(seen.variance(), 4e-6 * truth * truth);  // 2e-6 by that one
 }
 
 // A lamp behind cards of part coverage in a room, some of them shining themselves.
